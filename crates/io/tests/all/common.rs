@@ -1,8 +1,13 @@
 //! Small systems and seeded noise shared by the tests.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
 use lennard_core::{PeriodicBox, State};
-use lennard_io::{FileUnits, FormatError, Frames, TrajectoryFrame};
+use lennard_io::{
+    Beside, FileUnits, FormatError, Frames, StartConfiguration, TrajectoryFrame,
+    read_configuration_in,
+};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -10,6 +15,33 @@ pub type Noise = Xoshiro256PlusPlus;
 
 pub fn noise(seed: u64) -> Noise {
     Noise::seed_from_u64(seed)
+}
+
+/// A file of this name, and the folder that goes with it when the test ends.
+pub fn scratch(name: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    (folder, path)
+}
+
+/// What is found where a file holds this text.
+pub fn read_beside(
+    text: impl AsRef<[u8]>,
+    beside: Beside,
+) -> Result<StartConfiguration, FormatError> {
+    let (_folder, path) = scratch("start");
+    std::fs::write(&path, text).unwrap();
+    read_configuration_in(&path, beside)
+}
+
+/// Holds a refusal to its words.
+#[track_caller]
+pub fn refused<T>(result: Result<T, impl ToString>, words: &[&str]) {
+    let Err(error) = result else { panic!("taken, where this was wanted: {words:?}") };
+    let message = error.to_string();
+    for word in words {
+        assert!(message.contains(word), "wanted `{word}` in {message}");
+    }
 }
 
 /// Every frame of a trajectory.

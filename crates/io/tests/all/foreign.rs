@@ -3,11 +3,10 @@
 use std::fmt::Write as _;
 
 use glam::DVec3;
-use lennard_io::{
-    Beside, FileUnits, StartConfiguration, read_configuration_bytes, read_configuration_in,
-};
+use lennard_io::{Beside, FileUnits, FormatError, StartConfiguration, read_configuration_bytes};
 
 use crate::columns::{LATTICE, data, dump};
+use crate::common::{read_beside, refused};
 
 /// A GRO file of two particles with velocities.
 fn gro(title: &str, velocities: bool) -> String {
@@ -24,12 +23,12 @@ fn gro(title: &str, velocities: bool) -> String {
     text + "   5.00000   6.00000   7.00000\n"
 }
 
-fn read(text: &str, length: Option<f64>, time: Option<f64>) -> Result<StartConfiguration, String> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("start");
-    std::fs::write(&path, text).unwrap();
-    let units = FileUnits::new(length, time, None);
-    read_configuration_in(&path, Beside { cell: None, units }).map_err(|e| e.to_string())
+fn read(
+    text: &str,
+    length: Option<f64>,
+    time: Option<f64>,
+) -> Result<StartConfiguration, FormatError> {
+    read_beside(text, Beside { cell: None, units: FileUnits::new(length, time, None) })
 }
 
 #[test]
@@ -42,17 +41,17 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
         "2\n{LATTICE} Properties=pos:R:3:velo:R:3 length_unit=angstrom\n1 2 3 0.5 0 0\n2 3 4 0 0 0\n"
     );
     for text in [&real, &metal, &header] {
-        let message = read(text, None, None).unwrap_err();
-        assert!(message.contains("found units `"), "{message}");
-        assert!(message.contains("units lj (reduced units), or `start.length_scale`"), "{message}");
+        refused(
+            read(text, None, None),
+            &["found units `", "units lj (reduced units), or `start.length_scale`"],
+        );
         let start = read(text, Some(2.0), Some(8.0)).unwrap();
         assert_eq!(start.cell.lengths(), DVec3::new(2.0, 2.5, 3.0));
         assert_eq!(start.positions[1], DVec3::new(1.0, 1.5, 2.0));
         assert_eq!(start.velocities.unwrap()[0], DVec3::new(2.0, 0.0, 0.0));
-        let message = read(text, Some(2.0), None).unwrap_err();
-        assert!(
-            message.contains("velocities in units of the file; allowed: `start.time_scale`"),
-            "{message}"
+        refused(
+            read(text, Some(2.0), None),
+            &["velocities in units of the file; allowed: `start.time_scale`"],
         );
     }
     let header = |entry: &str| format!("2\n{LATTICE} {entry}\nAr 1 2 3\nAr 2 3 4\n");
@@ -62,17 +61,19 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
         (header("length_scale=2"), "length_scale beside `start.length_scale` in the scene"),
     ] {
         read(&text, None, None).unwrap();
-        let message = read(&text, Some(2.0), None).unwrap_err();
-        assert!(message.contains(found) && message.contains("one of them"), "{message}");
+        refused(read(&text, Some(2.0), None), &[found, "one of them"]);
     }
     // A comment anywhere in a data file.
-    let message = read(&data("two", row, "# in metal units\n"), None, None).unwrap_err();
-    assert!(message.contains(":14: found units `metal`"), "{message}");
+    refused(
+        read(&data("two", row, "# in metal units\n"), None, None),
+        &[":14: found units `metal`"],
+    );
     let momenta =
         format!("2\n{LATTICE} Properties=pos:R:3:momenta:R:3\n1 2 3 0.5 0 0\n2 3 4 0 0 0\n");
-    let message = read(&momenta, Some(2.0), Some(8.0)).unwrap_err();
-    assert!(message.contains("momenta without masses"), "{message}");
-    assert!(message.contains("a column with the masses beside them"), "{message}");
+    refused(
+        read(&momenta, Some(2.0), Some(8.0)),
+        &["momenta without masses", "a column with the masses beside them"],
+    );
 }
 
 /// Proves that files in real units are read where a substance is named, in every format that states units. Units that come too
@@ -81,13 +82,8 @@ fn units_are_taken_out_where_the_scene_names_them_and_refused_elsewhere() {
 fn a_substance_takes_out_units_that_a_file_states() {
     // σ = 2 Å, τ = 8 fs, m = 4 u.
     let substance = Some([2e-10, 8e-15, 4.0 * 1.660_539_069e-27]);
-    let read = |text: &str| {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("start");
-        std::fs::write(&path, text).unwrap();
-        let units = FileUnits::new(None, None, substance);
-        read_configuration_in(&path, Beside { cell: None, units }).map_err(|e| e.to_string())
-    };
+    let units = FileUnits::new(None, None, substance);
+    let read = |text: &str| read_beside(text, Beside { cell: None, units });
     let row = ["1 2 3", "2 3 4"];
     let real = data("written by LAMMPS, units = real", row, "Velocities\n\n1 0.5 0 0\n2 0 0 0\n");
     let frame = dump("vx vy vz", ["0.5 0 0", "0 0 0"]);
@@ -110,8 +106,7 @@ fn a_substance_takes_out_units_that_a_file_states() {
         (data("real units", row, "# in metal units\n"), "units `metal` after units `real`"),
         (data("units = furlong", row, ""), "units `furlong`"),
     ] {
-        let message = read(&text).unwrap_err();
-        assert!(message.contains(found), "{message}");
+        refused(read(&text), &[found]);
     }
     // What states no units is reduced.
     assert_eq!(read(&frame).unwrap().positions[1], DVec3::new(2.0, 3.0, 4.0));
@@ -119,15 +114,9 @@ fn a_substance_takes_out_units_that_a_file_states() {
 
 #[test]
 fn the_comment_of_a_plain_file_is_free_text_but_for_units() {
-    let plain = |comment: &str| format!("2\n{comment}\nAr 1 2 3\nAr 2 3 4\n");
     let cell = Some(lennard_core::PeriodicBox::new(DVec3::splat(8.0)).unwrap());
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("plain.xyz");
-    let read = |comment: &str| {
-        std::fs::write(&path, plain(comment)).unwrap();
-        let units = FileUnits::default();
-        read_configuration_in(&path, Beside { cell, units }).map_err(|e| e.to_string())
-    };
+    let beside = Beside { cell, units: FileUnits::default() };
+    let read = |comment: &str| read_beside(format!("2\n{comment}\nAr 1 2 3\nAr 2 3 4\n"), beside);
     for comment in [
         "",
         " i =        5, time =        2.500, E =       -31.0000000000",
@@ -145,26 +134,16 @@ fn the_comment_of_a_plain_file_is_free_text_but_for_units() {
     for comment in
         ["units = real", "positions in Angstrom", "# CELL(abcABC): 5 positions{angstrom}"]
     {
-        assert!(read(comment).unwrap_err().contains(":2: found units"), "{comment}");
+        refused(read(comment), &[":2: found units"]);
     }
-    std::fs::write(&path, b"1\ncaf\xe9\nAr 1 2 3\n").unwrap();
-    read_configuration_in(&path, Beside { cell, units: FileUnits::default() }).unwrap();
+    read_beside(b"1\ncaf\xe9\nAr 1 2 3\n", beside).unwrap();
 }
 
 #[test]
 fn gro_is_read_in_nanometers_and_picoseconds() {
     let text = gro("argon t= 1.0 step= 500", true);
-    let message = read(&text, None, None).unwrap_err();
-    assert!(
-        message.contains("found a GRO file, in nm and ps")
-            && message.contains("`start.length_scale`"),
-        "{message}"
-    );
-    let message = read(&text, Some(0.5), None).unwrap_err();
-    assert!(
-        message.contains(":3: found velocities") && message.contains("`start.time_scale`"),
-        "{message}"
-    );
+    refused(read(&text, None, None), &["found a GRO file, in nm and ps", "`start.length_scale`"]);
+    refused(read(&text, Some(0.5), None), &[":3: found velocities", "`start.time_scale`"]);
     let start = read(&text, Some(0.5), Some(2.0)).unwrap();
     assert_eq!(start.cell.lengths(), DVec3::new(10.0, 12.0, 14.0));
     assert_eq!(start.positions, [DVec3::new(2.0, 3.0, 4.0), DVec3::new(4.0, 3.0, 4.0)]);
@@ -180,22 +159,16 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
         read(&reduced, None, None).unwrap().velocities.unwrap()[1],
         DVec3::new(0.5, 0.0, -0.25)
     );
-    let message = read(&gro("far", false), Some(1e-10), None).unwrap_err();
-    assert!(
-        message.contains(":3: found the position") && message.contains("from -1e9 to 1e9 σ"),
-        "{message}"
+    refused(
+        read(&gro("far", false), Some(1e-10), None),
+        &[":3: found the position", "from -1e9 to 1e9 σ"],
     );
     // More decimals have wider columns.
     let fine =
         "fine\n1\n    1AR      Ar    1   1.250000   1.500000   2.000000\n 5 6 7 0 0 0 0 0 0\n";
     assert_eq!(read(fine, Some(1.0), None).unwrap().positions, [DVec3::new(1.25, 1.5, 2.0)]);
     let own = gro("Lennard: names, box, and rounded positions of the start", false);
-    let message = read(&own, None, None).unwrap_err();
-    assert!(
-        message.contains("a topology of this program")
-            && message.contains("the `final.xyz` beside it"),
-        "{message}"
-    );
+    refused(read(&own, None, None), &["a topology of this program", "the `final.xyz` beside it"]);
     for (from, to, line, found, allowed) in [
         ("   2.000   1.500", "   2.00x   1.500", 4, "`2.00x`", "a finite number"),
         (
@@ -211,12 +184,8 @@ fn gro_is_read_in_nanometers_and_picoseconds() {
         ("   5.00000   6.00000   7.00000\n", "", 5, "the end of the file", "the sides of the box"),
         ("   5.00000   6.00000   7.00000", "0 0 0", 2, "no box", "a box in the scene"),
     ] {
-        let message = read(&text.replace(from, to), Some(1.0), Some(1.0)).expect_err(to);
-        assert!(
-            message.contains(&format!(":{line}: found")) && message.contains(found),
-            "{message}"
-        );
-        assert!(message.contains(allowed), "{message}");
+        let damaged = read(&text.replace(from, to), Some(1.0), Some(1.0));
+        refused(damaged, &[&format!(":{line}: found"), found, allowed]);
     }
 }
 
@@ -239,9 +208,7 @@ fn formats_that_are_not_read_are_named_with_the_way_out() {
         (poscar.as_bytes(), "a POSCAR file", "ase convert"),
         (pdb.as_bytes(), "a PDB file", "ase convert"),
     ] {
-        let message = read_configuration_bytes(bytes).unwrap_err().to_string();
-        assert!(message.contains(&format!(":1: found {name}")), "{message}");
-        assert!(message.contains(way), "{message}");
+        refused(read_configuration_bytes(bytes), &[&format!(":1: found {name}"), way]);
     }
 }
 

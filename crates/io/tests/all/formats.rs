@@ -11,7 +11,7 @@ use lennard_io::{
 };
 use molly::XTCReader;
 
-use crate::common::{cell, system};
+use crate::common::{cell, refused, scratch, system};
 
 const N: usize = 400;
 
@@ -77,8 +77,7 @@ fn every_format_goes_on_after_a_mark_to_the_same_bytes() {
 /// Formats of text have every digit: what is read is what was written, but for positions that were folded.
 #[test]
 fn text_formats_read_back_to_the_bit() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("trajectory");
+    let (_folder, path) = scratch("trajectory");
     let states = states();
     let last = &states[2];
     for format in [TrajectoryFormat::Xyz, TrajectoryFormat::XyzGz, TrajectoryFormat::LammpsDump] {
@@ -113,14 +112,12 @@ fn gzip_has_the_text_of_extended_xyz_and_takes_half_the_space() {
     std::io::Read::read_to_end(&mut decoder, &mut inflated).unwrap();
     assert!(text.len() > 1 << 20 && inflated == text);
     assert!(2 * compressed.len() < text.len() + text.len() / 5);
-    let error = read_configuration_bytes(&compressed[..compressed.len() / 2]).unwrap_err();
-    assert!(error.to_string().contains("truncated"), "{error}");
+    refused(read_configuration_bytes(&compressed[..compressed.len() / 2]), &["truncated"]);
 }
 
 #[test]
 fn xtc_has_positions_within_half_its_precision_and_the_box_in_single_precision() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("trajectory.xtc");
+    let (_folder, path) = scratch("trajectory.xtc");
     let states = states();
     for (precision, length_scale, wrapped) in
         [(1e4, 1.0, true), (1e5, 0.3405, true), (1e3, 2.0, false)]
@@ -151,8 +148,7 @@ fn xtc_has_positions_within_half_its_precision_and_the_box_in_single_precision()
 
 #[test]
 fn xtc_has_the_positions_of_few_particles_in_single_precision() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("trajectory.xtc");
+    let (_folder, path) = scratch("trajectory.xtc");
     let style = FrameStyle {
         precision: 100.0,
         length_scale: 0.3405,
@@ -177,8 +173,7 @@ fn xtc_has_the_positions_of_few_particles_in_single_precision() {
 
 #[test]
 fn xtc_has_less_precision_where_a_coordinate_is_too_large_for_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("trajectory.xtc");
+    let (_folder, path) = scratch("trajectory.xtc");
     for (length_scale, far, kept) in [
         (1.0, 1677.7, 1e4),
         (1.0, -1677.8, 1e3),
@@ -208,8 +203,7 @@ fn xtc_has_less_precision_where_a_coordinate_is_too_large_for_it() {
 
 #[test]
 fn xtc_refuses_what_it_cannot_hold_and_leaves_whole_frames() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("trajectory.xtc");
+    let (_folder, path) = scratch("trajectory.xtc");
     let mut states = states();
     states[1].step = 1 << 31;
     let style = style(TrajectoryFormat::Xtc);
@@ -221,8 +215,7 @@ fn xtc_refuses_what_it_cannot_hold_and_leaves_whole_frames() {
     assert!(error.contains(wanted), "{error}");
     assert_eq!(writer.mark(), whole);
     assert_eq!(fs::metadata(&path).unwrap().len(), whole.bytes);
-    let error = read_configuration(&path).unwrap_err().to_string();
-    assert!(error.contains("an XTC trajectory, whose positions are rounded"), "{error}");
+    refused(read_configuration(&path), &["an XTC trajectory, whose positions are rounded"]);
 }
 
 #[test]
@@ -238,8 +231,7 @@ fn frames_for_ase_have_momenta_masses_and_the_energy() {
     let velocities = vec![DVec3::X, DVec3::new(0.0, -0.5, 3.0)];
     let state = State::new(cell(), positions, velocities);
     let extra = [("total_potential_energy", -5.5), ("temperature", 1.0)];
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.xyz");
+    let (_folder, path) = scratch("t.xyz");
     let frame = Frame { state: &state, extra: &extra };
     lennard_io::write_frame(&path, &style, &frame).unwrap();
     assert_eq!(

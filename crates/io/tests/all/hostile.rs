@@ -1,7 +1,8 @@
 //! Seeded mutations and random bytes through every reader: an answer or an error, never a panic, and
 //! what is taken can be taken again.
 
-use crate::common::{frames_of, mutate, noise, system};
+use crate::common::{frames_of, mutate, noise, scratch, system};
+use crate::lammps::{DATA, DUMP};
 use lennard_io::{
     FormatError, Frame, FrameStyle, read_configuration_bytes, read_run_record_bytes,
     read_table_csv_bytes, write_frame,
@@ -9,10 +10,10 @@ use lennard_io::{
 use proptest::prelude::*;
 
 const CASES: usize = 30_000;
+const RECORD: &[u8] = include_bytes!("../data/run.json");
 
 fn trajectory_text() -> Vec<u8> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("f.xyz");
+    let (_folder, path) = scratch("f.xyz");
     let mut text = Vec::new();
     for (seed, wrapped) in [(1, true), (2, false)] {
         let style = FrameStyle {
@@ -59,36 +60,35 @@ fn mutated_trajectories_are_read_or_refused() {
     assert!(read > CASES / 100 && refused > CASES / 2, "{read} {refused}");
 }
 
-#[test]
-fn mutated_nist_columns_are_read_or_refused() {
-    let text = b"10.0 10.0 10.0\n3\n  1  -1.1E-01  1.3E+00 -8.8E-01\n  2  1 2 3\n  3 4 5 6.5\n";
-    read_configuration_bytes(text).unwrap();
-    let mut noise = noise(12);
-    let mut read = 0;
-    for _ in 0..CASES {
-        if let Ok(start) = read_configuration_bytes(&mutate(text, &mut noise)) {
-            read += 1;
-            assert!(start.positions.iter().all(|r| r.is_finite()));
-            assert!(start.cell.volume() > 0.0);
-        }
-    }
-    assert!(read > 100, "{read}");
+/// Whether a start is read, which is finite then.
+fn finite_start(bytes: &[u8]) -> bool {
+    let Ok(start) = read_configuration_bytes(bytes) else { return false };
+    let velocities = start.velocities.iter().flatten();
+    assert!(start.positions.iter().chain(velocities).all(|v| v.is_finite()));
+    assert!(start.cell.volume() > 0.0);
+    true
 }
 
+/// Whether a reader takes these bytes.
+type IsRead = fn(&[u8]) -> bool;
+
 #[test]
-fn mutated_tables_and_records_are_read_or_refused() {
-    let table =
-        b"step,time,pressure\n# time [\xcf\x84]\n# pressure [\xce\xb5/\xcf\x83\xc2\xb3]: P\n1,0.5,nan\n2,1.0,-3.5e-3\n";
-    let record = include_bytes!("../data/run.json");
-    read_table_csv_bytes(table).unwrap();
-    read_run_record_bytes(record).unwrap();
-    let mut noise = noise(13);
-    let mut read = [0, 0];
-    for _ in 0..CASES / 3 {
-        read[0] += u32::from(read_table_csv_bytes(&mutate(table, &mut noise)).is_ok());
-        read[1] += u32::from(read_run_record_bytes(&mutate(record, &mut noise)).is_ok());
+fn mutated_starts_tables_and_records_are_read_or_refused() {
+    let nist = b"10.0 10.0 10.0\n3\n  1  -1.1E-01  1.3E+00 -8.8E-01\n  2  1 2 3\n  3 4 5 6.5\n";
+    let table = "step,time,pressure\n# time [τ]\n# pressure [ε/σ³]: P\n1,0.5,nan\n2,1.0,-3.5e-3\n";
+    let all: [(&[u8], IsRead); 5] = [
+        (nist, finite_start),
+        (DUMP.as_bytes(), finite_start),
+        (DATA.as_bytes(), finite_start),
+        (table.as_bytes(), |bytes| read_table_csv_bytes(bytes).is_ok()),
+        (RECORD, |bytes| read_run_record_bytes(bytes).is_ok()),
+    ];
+    let mut noise = noise(12);
+    for (text, read) in all {
+        assert!(read(text));
+        let taken = (0..CASES).filter(|_| read(&mutate(text, &mut noise))).count();
+        assert!(taken > 100, "{taken} of {}", String::from_utf8_lossy(text));
     }
-    assert!(read.iter().all(|&n| n > 100), "{read:?}");
 }
 
 proptest! {

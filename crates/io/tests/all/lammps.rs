@@ -3,13 +3,13 @@
 use glam::DVec3;
 use lennard_io::read_configuration_bytes;
 
-use crate::common::{mutate, noise};
+use crate::common::refused;
 
-const DUMP: &str = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n-1.0 7.0\n0 8.5\n0.5 9\n\
+pub const DUMP: &str = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n-1.0 7.0\n0 8.5\n0.5 9\n\
     ITEM: ATOMS id type x y z ix iy iz vx vy vz\n\
     3 2 1.0 2.0 3.0 0 -1 0 0.3 0 0\n1 1 0.0 1.0 1.5 0 0 0 0.1 0 0\n2 1 6.0 3.0 8.5 1 0 -1 0.2 0 0\n";
 
-const DATA: &str = "three atoms of two kinds, written by hand\n\n3 atoms\n2 atom types\n0 bonds\n\n\
+pub const DATA: &str = "three atoms of two kinds, written by hand\n\n3 atoms\n2 atom types\n0 bonds\n\n\
     -1.0 7.0 xlo xhi\n0.0 8.5 ylo yhi # a comment\n0.5 9.0 zlo zhi\n0 0 0 xy xz yz\n\n\
     Masses\n\n1 1.0 # Ar\n2 2.5\n\nPair Coeffs # lj/cut\n\n1 1.0 1.0\n2 1.0 1.1\n\n\
     Atoms # atomic\n\n3 2 1.0 2.0 3.0 0 -1 0\n1 1 0.0 1.0 1.5 0 0 0\n2 1 6.0 3.0 8.5 1 0 -1\n\n\
@@ -87,24 +87,9 @@ fn labels_name_the_types_of_a_data_file() {
         "Atom Type Labels\n\n1 Ar\n2 Kr\n\nMasses\n\nAr 1.0\nKr 2.5\n",
     );
     // Rows of Masses begin with a letter now, which only sections do.
-    let error = read_configuration_bytes(text.as_bytes()).unwrap_err().to_string();
-    assert!(error.contains("the section `Ar 1.0`"), "{error}");
+    refused(read_configuration_bytes(text.as_bytes()), &["the section `Ar 1.0`"]);
     let text = text.replace("\nAr 1.0\nKr 2.5\n", "\n1 1.0\n2 2.5\n");
     let start = read_configuration_bytes(text.as_bytes()).unwrap();
     assert_eq!(start.species.names, ["Kr", "Ar"]);
     assert_eq!(start.species.masses, [2.5, 1.0]);
-}
-
-#[test]
-fn hostile_files_are_refused_or_finite() {
-    let mut noise = noise(23);
-    for round in 0..6000 {
-        let text = if round % 2 == 0 { DUMP } else { DATA };
-        let bytes = mutate(text.as_bytes(), &mut noise);
-        if let Ok(start) = read_configuration_bytes(&bytes) {
-            let velocities = start.velocities.iter().flatten();
-            let all = start.positions.iter().chain(velocities);
-            assert!(all.into_iter().all(|v| v.is_finite()));
-        }
-    }
 }

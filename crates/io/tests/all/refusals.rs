@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::fs;
 
+use crate::common::scratch;
 use lennard_core::State;
 use lennard_io::{
-    Checkpoint, CheckpointProblem, Existing, FolderError, FormatError, Frame, FrameStyle,
-    TableWriter, TrajectoryFormat, TrajectoryWriter, WriteError, create_named_folder,
-    read_checkpoint, read_checkpoint_bytes, read_configuration_bytes, read_table_csv_bytes,
-    write_checkpoint, write_frame, write_table_csv, write_text_atomically,
+    CheckpointProblem, Existing, FolderError, FormatError, Frame, FrameStyle, TableWriter,
+    TrajectoryFormat, TrajectoryWriter, WriteError, create_named_folder, read_checkpoint,
+    read_checkpoint_bytes, read_configuration_bytes, read_table_csv_bytes, write_checkpoint,
+    write_frame, write_table_csv, write_text_atomically,
 };
 use lennard_observables::Table;
 
@@ -67,13 +68,8 @@ fn files_that_are_not_there_and_lines_without_end_are_refused() {
 
 /// A checkpoint whose metadata, scene and arrays are these bytes, with a right length and checksum.
 fn sealed(body: &[&[u8]]) -> Vec<u8> {
-    let body = body.concat();
-    let mut bytes = b"LENNARD\x1a\x01\0\0\0\0\0\0\0".to_vec();
-    bytes.extend(((24 + body.len() + 4) as u64).to_le_bytes());
-    bytes.extend(body);
-    let sum = crc32fast::hash(&bytes);
-    bytes.extend(sum.to_le_bytes());
-    bytes
+    let head = b"LENNARD\x1a\x01\0\0\0\0\0\0\0a length";
+    crate::checkpoints::sealed([head, &body.concat()[..], b"sum."].concat())
 }
 
 fn text(text: &[u8]) -> Vec<u8> {
@@ -91,6 +87,7 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_is_refused() {
         sealed(&[&metadata, &text(b"scene"), &word(2), &array(b"a", 1, 2), &array(b"b", 3, 1)]);
     assert!(read_checkpoint_bytes(&whole).is_ok());
     let start = [metadata.clone(), text(b"scene")].concat();
+    let problem = |bytes: &[u8]| read_checkpoint_bytes(bytes).unwrap_err().problem;
     for bytes in [
         sealed(&[&word(1 << 40), b"{}"]),
         sealed(&[&metadata, &text(b"\xff\xfe")]),
@@ -100,23 +97,19 @@ fn a_checkpoint_with_a_right_checksum_and_senseless_content_is_refused() {
         sealed(&[&start, &word(0), b"more"]),
         sealed(&[&start, &word(1), &text(b"a"), &word(4), &word(u64::MAX)]),
     ] {
-        let problem = read_checkpoint_bytes(&bytes).unwrap_err().problem;
-        assert!(matches!(problem, CheckpointProblem::Malformed(_)), "{problem}");
+        assert!(matches!(problem(&bytes), CheckpointProblem::Malformed(_)), "{}", problem(&bytes));
     }
     let mut other = whole.clone();
     other[8] = 9;
-    let problem = read_checkpoint_bytes(&other).unwrap_err().problem;
-    assert!(matches!(problem, CheckpointProblem::OtherVersion { .. }), "{problem}");
+    assert!(matches!(problem(&other), CheckpointProblem::OtherVersion { .. }));
     let mut damaged = whole;
     damaged[30] ^= 1;
-    let problem = read_checkpoint_bytes(&damaged).unwrap_err().problem;
-    assert!(matches!(problem, CheckpointProblem::Damaged), "{problem}");
+    assert!(matches!(problem(&damaged), CheckpointProblem::Damaged));
 }
 
 #[test]
 fn writers_refuse_what_a_format_cannot_hold() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("out");
+    let (folder, path) = scratch("out");
     let state = crate::common::system(3, 0.4, 1);
     let write = |style: &FrameStyle, state: &State, extra: &[(&str, f64)]| {
         write_frame(&path, style, &Frame { state, extra }).unwrap_err()
@@ -148,8 +141,7 @@ fn writers_refuse_what_a_format_cannot_hold() {
 
 #[test]
 fn files_that_were_changed_are_not_resumed() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("t.csv");
+    let (folder, path) = scratch("t.csv");
     let columns = [("step", ""), ("time", "τ")];
     let mut table = TableWriter::create(&path, &columns).unwrap();
     table.write(&[1_u64.into(), 0.5.into()]).unwrap();
@@ -179,10 +171,6 @@ fn an_output_folder_that_is_not_free_is_refused() {
     assert!(matches!(busy, Err(FolderError::Exists { .. })));
     let file = create_named_folder(&folder.path().join("file"), Existing::Replace);
     assert!(matches!(file, Err(FolderError::NotAFolder { .. })));
-    let checkpoint = Checkpoint {
-        metadata: lennard_io::CheckpointMetadata::default(),
-        scene: String::new(),
-        archive: lennard_core::StateArchive::default(),
-    };
-    assert!(write_checkpoint(&folder.path().join("file/in/it"), &checkpoint).is_err());
+    let inside = folder.path().join("file/in/it");
+    assert!(write_checkpoint(&inside, &crate::checkpoints::checkpoint(1)).is_err());
 }
