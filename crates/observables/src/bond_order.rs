@@ -3,7 +3,7 @@
 mod harmonics;
 mod particles;
 
-use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, recipe};
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, Own, PeriodicBox, View, persist};
 
@@ -39,13 +39,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for BondOrderOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(BondOrder::new(self, context)?))
-    }
-}
+recipe!(BondOrderOptions, |options, context| BondOrder::new(options, context)?);
 
 columns! {
     /// One row for each sample.

@@ -1,6 +1,6 @@
 //! The density along one axis.
 
-use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
+use crate::{BuildContext, Findings, Observable, ObservableSpec, Table, recipe};
 use lennard_core::{Axis, View, persist};
 
 use crate::averages::tell_discarded;
@@ -27,13 +27,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for DensityProfileOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(DensityProfile::new(self, context)))
-    }
-}
+recipe!(DensityProfileOptions, |options, context| DensityProfile::new(options, context));
 
 /// The number density in layers across one axis, ρ(z) in σ⁻³, with its standard error from blocks of the run.
 ///

@@ -1,9 +1,6 @@
 //! The Einstein frequency.
 
-use crate::{
-    Average, BuildContext, Estimate, Findings, Observable, ObservableError, ObservableSpec, Recipe,
-    Suits, Surroundings,
-};
+use crate::{Average, Estimate, Findings, Observable, ObservableSpec, Suits, Surroundings, recipe};
 use lennard_core::{View, Want, persist};
 
 use crate::series::{Series, columns};
@@ -27,13 +24,9 @@ lennard_core::options! {
     pub struct EinsteinFrequencyOptions {}
 }
 
-impl Recipe for EinsteinFrequencyOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, _context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(EinsteinFrequency { series: Series::new(Rows::default(), MOST_ROWS) }))
-    }
-}
+recipe!(EinsteinFrequencyOptions, |_, _| EinsteinFrequency {
+    series: Series::new(Rows::default(), MOST_ROWS)
+});
 
 columns! {
     struct Rows { time, squared }

@@ -5,8 +5,8 @@ mod fit;
 use std::f64::consts::TAU;
 
 use crate::{
-    Average, BuildContext, Doubt, Findings, Frames, Observable, ObservableError, ObservableSpec,
-    Recipe, Remark, Surroundings, Table, statistics,
+    Average, BuildContext, Doubt, Findings, Frames, Observable, ObservableSpec, Remark,
+    Surroundings, Table, recipe, statistics,
 };
 use lennard_core::{Axis, DVec3, Own, View, Want, persist};
 
@@ -56,13 +56,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for InterfaceOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(Interface::new(self, context)))
-    }
-}
+recipe!(InterfaceOptions, |options, context| Interface::new(options, context));
 
 columns! {
     struct Rows { time, normal, tangential, tension, outer }

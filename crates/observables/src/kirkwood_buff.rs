@@ -4,7 +4,7 @@ mod integral;
 mod routes;
 mod tables;
 
-use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, recipe};
 use lennard_core::{SpeciesTable, View, persist};
 
 use crate::averages::{of_blocks, tell_discarded, with_choice};
@@ -44,13 +44,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for KirkwoodBuffOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(KirkwoodBuff::new(self, context)?))
-    }
-}
+recipe!(KirkwoodBuffOptions, |options, context| KirkwoodBuff::new(options, context)?);
 
 /// The integrals G_ab of Kirkwood and Buff, in σ³. A particle of species a has ρ_b·G_ab particles of species b around it in excess
 /// of the mean.

@@ -65,6 +65,7 @@ pub use pairs::{count_distances, count_distances_by_species};
 pub use phases::{front, frozen, frozen_bytes, separated};
 pub use pressure_tensor::PressureTensor;
 pub use rdf::RadialDistribution;
+pub(crate) use recipe::recipe;
 pub use recipe::{BuildContext, Recipe};
 pub use remark::{Fronts, Remark};
 pub use response::{Curvature, response_functions};

@@ -3,8 +3,7 @@
 mod vibration;
 
 use crate::{
-    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
-    Surroundings, Table,
+    BuildContext, Findings, Frames, Observable, ObservableSpec, Remark, Surroundings, Table, recipe,
 };
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, View, Want, persist};
@@ -32,13 +31,7 @@ lennard_core::options! {
     pub struct MolecularMotionOptions {}
 }
 
-impl Recipe for MolecularMotionOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(MolecularMotion::new(context)))
-    }
-}
+recipe!(MolecularMotionOptions, |_, context| MolecularMotion::new(context));
 
 columns! {
     struct Rows {

@@ -1,8 +1,7 @@
 //! Total momentum.
 
 use crate::{
-    Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
-    Table, statistics,
+    Average, BuildContext, Findings, Frames, Observable, ObservableSpec, Table, recipe, statistics,
 };
 use lennard_core::{View, persist};
 
@@ -27,13 +26,7 @@ lennard_core::options! {
     pub struct MomentumOptions {}
 }
 
-impl Recipe for MomentumOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(Momentum::new(context)))
-    }
-}
+recipe!(MomentumOptions, |_, context| Momentum::new(context));
 
 columns! {
     struct Rows { time, x, y, z }

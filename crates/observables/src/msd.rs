@@ -5,8 +5,8 @@ mod levels;
 mod paths;
 
 use crate::{
-    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
-    Table,
+    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Remark, Table,
+    recipe,
 };
 use lennard_core::{DVec3, View, persist};
 
@@ -55,13 +55,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for MsdOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(MeanSquareDisplacement::new(self, context)?))
-    }
-}
+recipe!(MsdOptions, |options, context| MeanSquareDisplacement::new(options, context)?);
 
 /// The mean-square displacement ⟨|Δr(t)|²⟩ in σ² of unwrapped positions relative to the centre of mass.
 ///

@@ -1,6 +1,6 @@
 //! How long molecules remember their direction.
 
-use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Table};
+use crate::{BuildContext, Findings, Observable, ObservableError, ObservableSpec, Table, recipe};
 use lennard_core::{DVec3, Own, View, persist};
 
 use crate::averages::tell_discarded;
@@ -30,13 +30,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for OrientationOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(Orientation::new(self, context)?))
-    }
-}
+recipe!(OrientationOptions, |options, context| Orientation::new(options, context)?);
 
 /// The autocorrelation functions of the unit vectors u from the first to the last site of each molecule, over many time origins.
 ///

@@ -1,8 +1,7 @@
 //! The pressure tensor.
 
 use crate::{
-    Average, BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe,
-    Surroundings,
+    Average, BuildContext, Findings, Frames, Observable, ObservableSpec, Surroundings, recipe,
 };
 use lennard_core::{DMat3, DVec3, View, Want, persist};
 
@@ -31,13 +30,7 @@ lennard_core::options! {
     pub struct PressureTensorOptions {}
 }
 
-impl Recipe for PressureTensorOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(PressureTensor::new(context)))
-    }
-}
+recipe!(PressureTensorOptions, |_, context| PressureTensor::new(context));
 
 columns! {
     struct Rows { time, xx, yy, zz, xy, xz, yz }

@@ -82,3 +82,26 @@ pub trait Recipe: Options {
     /// [`ObservableError`] where an option is impossible in this context.
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError>;
 }
+
+/// Says how an observable is made of its options and of what it may know. Some need a run of several of their windows.
+macro_rules! recipe {
+    ($options:ty $(, lasting $windows:ident windows)?, |$own:pat_param, $context:pat_param| $made:expr) => {
+        impl $crate::recipe::Recipe for $options {
+            const SPEC: &'static $crate::ObservableSpec = &SPEC;
+
+            $(fn least_length(&self) -> f64 {
+                $windows * self.window
+            })?
+
+            fn build(
+                &self,
+                context: &$crate::BuildContext,
+            ) -> Result<Box<dyn $crate::Observable>, $crate::ObservableError> {
+                let ($own, $context) = (self, context);
+                Ok(Box::new($made))
+            }
+        }
+    };
+}
+
+pub(crate) use recipe;

@@ -5,8 +5,8 @@ mod partial;
 use std::f64::consts::PI;
 
 use crate::{
-    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
-    Table,
+    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Surroundings, Table,
+    recipe,
 };
 use lennard_core::{SpeciesTable, View, persist};
 
@@ -55,13 +55,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for StructureFactorOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(StructureFactor::new(self, context)?))
-    }
-}
+recipe!(StructureFactorOptions, |options, context| StructureFactor::new(options, context)?);
 
 /// The static structure factor S(k) by a direct sum.
 ///

@@ -9,8 +9,8 @@ mod row;
 mod species;
 
 use crate::{
-    BuildContext, Curvature, Ensemble, Estimate, Findings, Observable, ObservableError,
-    ObservableSpec, Recipe, heat_capacity,
+    BuildContext, Curvature, Ensemble, Estimate, Findings, Observable, ObservableSpec,
+    heat_capacity, recipe,
 };
 use lennard_core::{View, Want, persist};
 
@@ -49,13 +49,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for ThermodynamicsOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(Thermodynamics::with_options(self, context)))
-    }
-}
+recipe!(ThermodynamicsOptions, |options, context| Thermodynamics::with_options(options, context));
 
 /// Temperature, energies, pressure, configurational temperature and what is conserved.
 ///

@@ -1,8 +1,8 @@
 //! The velocity autocorrelation function.
 
 use crate::{
-    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe, Remark,
-    Table,
+    BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Remark, Table,
+    recipe,
 };
 use lennard_core::{DVec3, View, persist};
 
@@ -42,13 +42,7 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for VacfOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(VelocityAutocorrelation::new(self, context)?))
-    }
-}
+recipe!(VacfOptions, |options, context| VelocityAutocorrelation::new(options, context)?);
 
 /// The velocity autocorrelation function C(t) = ⟨v(0)·v(t)⟩ in σ²/τ², relative to the centre of mass, over
 /// many time origins. D = ⅓∫C dt follows by the trapezoidal rule up to the end of the window.

@@ -1,8 +1,6 @@
 //! The pressure on each wall.
 
-use crate::{
-    BuildContext, Findings, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
-};
+use crate::{Findings, Observable, ObservableSpec, Surroundings, recipe};
 use lennard_core::{Axis, View, WallReading, persist};
 
 use crate::series::{Series, columns};
@@ -25,13 +23,7 @@ lennard_core::options! {
     pub struct WallPressureOptions {}
 }
 
-impl Recipe for WallPressureOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn build(&self, _context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(WallPressure::default()))
-    }
-}
+recipe!(WallPressureOptions, |_, _| WallPressure::default());
 
 columns! {
     /// Pressure on the lower and upper wall of each axis, ε/σ³; zero where there is no wall.

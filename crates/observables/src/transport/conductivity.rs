@@ -1,8 +1,6 @@
 //! The thermal conductivity.
 
-use crate::{
-    BuildContext, Frames, Observable, ObservableError, ObservableSpec, Recipe, Surroundings,
-};
+use crate::{Frames, ObservableSpec, Surroundings, recipe};
 use lennard_core::exact::exact_sum;
 use lennard_core::{DVec3, View, Want};
 
@@ -41,16 +39,9 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for ThermalConductivityOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn least_length(&self) -> f64 {
-        LONG_ENOUGH * self.window
-    }
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(ThermalConductivity::new(self.window, context)?))
-    }
+recipe! {
+    ThermalConductivityOptions, lasting LONG_ENOUGH windows,
+    |options, context| ThermalConductivity::new(options.window, context)?
 }
 
 /// The thermal conductivity λ in k_B/(στ) from the fluctuations of the heat flux at equilibrium.

@@ -1,6 +1,6 @@
 //! The mutual diffusion of two species.
 
-use crate::{BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, Recipe};
+use crate::{BuildContext, Findings, Frames, Observable, ObservableError, ObservableSpec, recipe};
 use lennard_core::{DVec3, SpeciesTable, View, persist};
 
 use super::green_kubo::{GreenKubo, LONG_ENOUGH, Words};
@@ -36,16 +36,9 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for MutualDiffusionOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn least_length(&self) -> f64 {
-        LONG_ENOUGH * self.window
-    }
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(MutualDiffusion::new(self, context)?))
-    }
+recipe! {
+    MutualDiffusionOptions, lasting LONG_ENOUGH windows,
+    |options, context| MutualDiffusion::new(options, context)?
 }
 
 /// The Maxwell–Stefan diffusion coefficient Đ of two species, in σ²/τ.

@@ -1,9 +1,6 @@
 //! The shear viscosity.
 
-use crate::{
-    BuildContext, Frames, Observable, ObservableError, ObservableSpec, PressureTensor, Recipe,
-    Surroundings,
-};
+use crate::{Frames, ObservableSpec, PressureTensor, Surroundings, recipe};
 use lennard_core::{DMat3, View, Want};
 
 use super::DEFAULT_WINDOW;
@@ -41,16 +38,9 @@ lennard_core::options! {
     }
 }
 
-impl Recipe for ShearViscosityOptions {
-    const SPEC: &'static ObservableSpec = &SPEC;
-
-    fn least_length(&self) -> f64 {
-        LONG_ENOUGH * self.window
-    }
-
-    fn build(&self, context: &BuildContext) -> Result<Box<dyn Observable>, ObservableError> {
-        Ok(Box::new(ShearViscosity::new(self.window, context)?))
-    }
+recipe! {
+    ShearViscosityOptions, lasting LONG_ENOUGH windows,
+    |options, context| ShearViscosity::new(options.window, context)?
 }
 
 /// The shear viscosity η in ετ/σ³ from the fluctuations of the pressure tensor at equilibrium.
@@ -96,6 +86,7 @@ fn shear_components(p: &DMat3) -> [f64; 5] {
 mod tests {
     use super::*;
     use crate::testing::{context, normal};
+    use crate::{BuildContext, Observable};
     use lennard_core::{DVec3, Energetics, State, System};
 
     #[test]
