@@ -73,8 +73,8 @@ impl MolecularMotion {
     }
 }
 
-/// Sums over molecules: Σ ½ M V² of the centres (ε), of bond lengths, of squared strains, of squared end-to-end distances, and of
-/// the motion that changes bond lengths the kinetic energy (ε) and the degrees of freedom.
+/// Sums over molecules: Σ ½ M V² of the centres (ε), of bond lengths, of squared strains and of squared end-to-end distances.
+/// The last two are the kinetic energy (ε) and the degrees of freedom of the motion that changes bond lengths.
 fn sums(view: &View<'_>) -> [f64; 6] {
     let (system, state) = (view.system, view.state);
     let molecules = &system.molecules;

@@ -7,6 +7,8 @@ mod remarks;
 mod responses;
 mod row;
 mod species;
+#[cfg(test)]
+mod tests;
 
 use crate::{
     BuildContext, Curvature, Ensemble, Estimate, Findings, Observable, ObservableSpec,

@@ -18,7 +18,7 @@ fn context() -> BuildContext {
     context_of(N)
 }
 
-pub(crate) fn context_of(n_atoms: usize) -> BuildContext {
+fn context_of(n_atoms: usize) -> BuildContext {
     BuildContext {
         cell: PeriodicBox::new(DVec3::splat(12.0)).unwrap(),
         n_atoms,

@@ -1,4 +1,3 @@
 //! Tests of observables and of their statistics from outside.
 
 mod every_observable;
-mod thermodynamics;

@@ -1,40 +1,17 @@
 //! Definitions of the thermodynamic quantities, on states whose values are known by hand.
 
-use lennard_core::random::Streams;
-use lennard_core::{DMat3, DVec3, Energetics, PeriodicBox, State, System, TailCorrection, View};
-use lennard_observables::{
-    BuildContext, Estimate, Findings, Observable, PairEnd, PressureTensor, Thermodynamics,
-    ThermodynamicsOptions, statistics,
-};
-use rand_distr::{Distribution, StandardNormal};
+use lennard_core::{DMat3, DVec3, Energetics, State, System, TailCorrection};
 
-use crate::every_observable::context_of;
-
-fn context(n_atoms: usize, side: f64) -> BuildContext {
-    let cell = PeriodicBox::new(DVec3::splat(side)).unwrap();
-    BuildContext { cell, ..context_of(n_atoms) }
-}
-
-fn normal(seed: u64, step: u64, particle: usize) -> DVec3 {
-    let mut rng = Streams::new(seed).noise("test").at(step, particle as u32);
-    DVec3::from_array(std::array::from_fn(|_| StandardNormal.sample(&mut rng)))
-}
-
-fn average(findings: &Findings, name: &str) -> Estimate {
-    findings
-        .averages
-        .iter()
-        .find(|a| a.name == name)
-        .unwrap_or_else(|| panic!("no average {name}"))
-        .estimate
-}
+use super::*;
+use crate::testing::{context, estimate, normal};
+use crate::PressureTensor;
 
 /// Two Lennard-Jones particles at distance σ along (2, 1, 2)/3: U = 0, F = 24 ε/σ outwards, W = 24 ε, and
 /// ∇²U = 2·(U″ + 2U′/r) with U″ = 24·(26 − 7) = 456, U′ = −24.
 fn pair_at_sigma() -> State {
     let direction = DVec3::new(2.0, 1.0, 2.0) / 3.0;
     let v = DVec3::new(0.5, -0.25, 1.0);
-    let mut state = State::new(context(2, 10.0).cell, vec![direction, DVec3::ZERO], vec![v, -v]);
+    let mut state = State::new(context(10.0, 2).cell, vec![direction, DVec3::ZERO], vec![v, -v]);
     let force = 24.0 * direction;
     state.forces = vec![force, -force];
     state.energetics = Energetics {
@@ -55,7 +32,7 @@ fn pair_at_sigma() -> State {
 
 #[test]
 fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
-    let context = context(2, 10.0);
+    let context = context(10.0, 2);
     let system = System::atoms(2);
     let state = pair_at_sigma();
     let tail = TailCorrection { energy_per_particle: -0.5, pressure: -0.25 };
@@ -78,11 +55,11 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
     close(rows.squared_force[0], 576.0);
     close(rows.laplacian[0], 408.0);
     let findings = thermodynamics.finish(0.0);
-    close(average(&findings, "configurational_temperature").mean, 576.0 / 408.0);
-    assert!(average(&findings, "pressure").standard_error.is_nan());
+    close(estimate(&findings, "configurational_temperature").mean, 576.0 / 408.0);
+    assert!(estimate(&findings, "pressure").standard_error.is_nan());
 
     let findings = tensor.finish(0.0);
-    let p = |ab: &str| average(&findings, &format!("pressure_{ab}")).mean;
+    let p = |ab: &str| estimate(&findings, &format!("pressure_{ab}")).mean;
     close((p("xx") + p("yy") + p("zz")) / 3.0, rows.pressure[0]);
     // Off the diagonal: 2·v_a·v_b·(3N/n_dof = 2) + 24·n_a·n_b over V.
     close(p("xy"), (-0.5 + 24.0 * 2.0 / 9.0) / 1000.0);
@@ -92,7 +69,7 @@ fn a_pair_at_sigma_has_the_values_worked_out_by_hand() {
 
 #[test]
 fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
-    let context = context(2, 10.0);
+    let context = context(10.0, 2);
     let system = System::atoms(2);
     let state = pair_at_sigma();
     let mut thermodynamics = Thermodynamics::new(&context);
@@ -111,10 +88,10 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
     close(rows.pressure[0], 0.002 * half + 24.0 / 3000.0);
     // What is conserved knows nothing of it.
     close(rows.conserved_energy[0], 0.656_25 + 0.016_316_891_136 / 2.0);
-    let p = |ab: &str| average(&tensor.finish(0.0), &format!("pressure_{ab}")).mean;
+    let p = |ab: &str| estimate(&tensor.finish(0.0), &format!("pressure_{ab}")).mean;
     close((p("xx") + p("yy") + p("zz")) / 3.0, rows.pressure[0]);
     let findings = thermodynamics.finish(0.0);
-    close(average(&findings, "temperature_half_steps").mean, half);
+    close(estimate(&findings, "temperature_half_steps").mean, half);
 
     // A method without half steps has none to show.
     let mut other = Thermodynamics::new(&context);
@@ -127,7 +104,7 @@ fn half_steps_add_the_kicks_of_both_sides_to_temperature_and_pressure() {
 #[test]
 fn an_ideal_gas_of_any_size_has_the_pressure_of_its_density_and_temperature() {
     for n in [2, 3, 50] {
-        let context = context(n, 5.0);
+        let context = context(5.0, n);
         let system = System::atoms(n);
         let mut velocities: Vec<DVec3> = (0..n).map(|i| normal(1, 0, i)).collect();
         let mean = velocities.iter().sum::<DVec3>() / n as f64;
@@ -177,7 +154,7 @@ fn sampled(
 fn harmonic_particles_at_temperature_t_have_that_configurational_temperature() {
     // U = ½kx² with x of variance T/k: |∇U|² = k²x², ∇²U = 3k for each particle.
     let (n, k, temperature) = (20, 50.0, 0.7_f64);
-    let context = context(n, 5.0);
+    let context = context(5.0, n);
     let mut thermodynamics = Thermodynamics::new(&context);
     sampled(&mut thermodynamics, &context, 2000, |s, state| {
         for (i, f) in state.forces.iter_mut().enumerate() {
@@ -186,7 +163,7 @@ fn harmonic_particles_at_temperature_t_have_that_configurational_temperature() {
         state.energetics.laplacian = Some(3.0 * k * n as f64);
         0.0
     });
-    let found = average(&thermodynamics.finish(0.0), "configurational_temperature");
+    let found = estimate(&thermodynamics.finish(0.0), "configurational_temperature");
     // 3·20·2000 independent squares of a normal variable: relative error √(2/120 000).
     let exact_error = temperature * (2.0_f64 / 120_000.0).sqrt();
     assert!((found.mean - temperature).abs() < 4.0 * exact_error);
@@ -197,7 +174,7 @@ fn harmonic_particles_at_temperature_t_have_that_configurational_temperature() {
 fn a_force_that_jumps_at_the_cutoff_adds_its_delta_function_to_the_laplacian() {
     // U = k(r − r_cut) inside r_cut, in a gas so hot that g = 1: ⟨∇²U⟩ = ⟨|∇U|²⟩/T vanishes to first order
     // in k. The part without the delta function is ½ρ∫4πr²·2·(2k/r) dr = 4πρk r_cut² per particle, of the N − 1 others.
-    let context = context(100, 5.0);
+    let context = context(5.0, 100);
     let k = 0.039;
     let regular = 4.0 * std::f64::consts::PI * 0.8 * 0.99 * k * 2.5 * 2.5;
     let mut thermodynamics = Thermodynamics::new(&context);
@@ -218,7 +195,7 @@ fn a_force_that_jumps_at_the_cutoff_adds_its_delta_function_to_the_laplacian() {
 #[test]
 fn drift_and_fluctuation_of_the_conserved_energy_are_those_put_in_and_heat_is_no_drift() {
     let n = 10;
-    let context = context(n, 5.0);
+    let context = BuildContext { dt: 0.05, ..context(5.0, n) };
     let mut thermodynamics = Thermodynamics::new(&context);
     let (slope, ripple) = (2e-6, 1e-4);
     sampled(&mut thermodynamics, &context, 4000, |s, state| {
@@ -241,7 +218,7 @@ fn drift_and_fluctuation_of_the_conserved_energy_are_those_put_in_and_heat_is_no
 #[test]
 fn all_averages_of_a_run_share_one_equilibration_cut() {
     let n = 5;
-    let context = context(n, 5.0);
+    let context = context(5.0, n);
     let mut thermodynamics = Thermodynamics::new(&context);
     sampled(&mut thermodynamics, &context, 3000, |s, state| {
         let noise = normal(4, s, 0);
@@ -252,16 +229,16 @@ fn all_averages_of_a_run_share_one_equilibration_cut() {
         0.0
     });
     let findings = thermodynamics.finish(thermodynamics.equilibrium().discarded);
-    let cut = average(&findings, "potential_energy").equilibration_cut;
+    let cut = estimate(&findings, "potential_energy").equilibration_cut;
     assert!((200..900).contains(&cut), "{cut}");
     for a in &findings.averages {
         assert_eq!(a.estimate.equilibration_cut, cut, "{}", a.name);
     }
-    let energy = average(&findings, "potential_energy");
+    let energy = estimate(&findings, "potential_energy");
     assert!((energy.mean + 6.0).abs() < 5.0 * energy.standard_error + 1e-3);
     // Against a line the error gains the fluctuation of the temperature, here independent of U.
     let slope = 3.0;
-    let temperature = average(&findings, "temperature");
+    let temperature = estimate(&findings, "temperature");
     let against = thermodynamics.potential_energy_against(slope);
     let exact = energy.standard_error.hypot(slope * temperature.standard_error);
     assert!((against.standard_error / exact - 1.0).abs() < 0.1);
