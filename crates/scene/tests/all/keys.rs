@@ -23,6 +23,11 @@ fn every_number_has_a_largest_value() {
     }
 }
 
+/// Keys and values beside a scene file.
+pub(crate) fn beside(overrides: &[(&str, &str)]) -> Vec<(String, String)> {
+    overrides.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect()
+}
+
 /// The key that names the method of a table.
 fn tag(table: &str) -> Option<&'static str> {
     match table {
@@ -35,7 +40,7 @@ fn tag(table: &str) -> Option<&'static str> {
 }
 
 /// The methods of a table by the reference; `None` alone for a table without methods.
-fn methods(table: &str) -> Vec<Option<&'static str>> {
+pub(crate) fn methods(table: &str) -> Vec<Option<&'static str>> {
     let of_tag = |doc: &&reference::KeyDoc| doc.table == table && Some(doc.key) == tag(table);
     match reference::keys().iter().find(of_tag).map(|doc| doc.allowed) {
         Some(reference::Allowed::Names(names)) => names().into_iter().map(Some).collect(),

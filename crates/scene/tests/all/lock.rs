@@ -1,5 +1,6 @@
 //! Accuracies and lock files: what is left to be chosen, what a lock brings, and which lock is refused.
 
+use crate::keys::beside;
 use lennard_forcefield::{ListMode, NeighborOptions, Precision, TruncationKind, TruncationOptions};
 use lennard_scene::{Chosen, Judged, Lock, Scene};
 
@@ -28,9 +29,7 @@ const ALL_FREE: [&str; 5] = [
 ];
 
 fn parse(text: &str, overrides: &[(&str, &str)]) -> Scene {
-    let owned = |(key, value): &(&str, &str)| (key.to_string(), value.to_string());
-    let overrides: Vec<_> = overrides.iter().map(owned).collect();
-    Scene::parse(text, "asking.toml", &overrides).unwrap_or_else(|e| panic!("{e}"))
+    Scene::parse(text, "asking.toml", &beside(overrides)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn chosen() -> Chosen {
@@ -55,7 +54,7 @@ fn a_scene_with_settings_can_be_freed_of_them() {
     assert_eq!(freed.free, ALL_FREE);
     // What is no setting stays, and so does what is given beside the file.
     assert_eq!(freed.integrator.method.name(), "leapfrog");
-    let given = [("truncation.r_cut".to_owned(), "3.0".to_owned())];
+    let given = beside(&[("truncation.r_cut", "3.0")]);
     let partly = Scene::load_freed(&path, &given).unwrap();
     assert!(!partly.free.contains(&"truncation.r_cut"));
     assert_eq!(partly.truncation.r_cut, 3.0);
@@ -74,8 +73,8 @@ fn an_accuracy_that_nobody_typed_is_named_as_no_override() {
     let path = folder.path().join("cold.toml");
     let text = ASKING.lines().skip(1).collect::<Vec<_>>().join("\n");
     std::fs::write(&path, text.replace("thermostat = \"bussi\"\n", "")).unwrap();
-    let cold = ("system.temperature".to_owned(), "0".to_owned());
-    let message = Scene::load_freed(&path, &[cold]).unwrap_err().to_string();
+    let cold = beside(&[("system.temperature", "0")]);
+    let message = Scene::load_freed(&path, &cold).unwrap_err().to_string();
     assert!(message.contains("cold.toml: `accuracy` has no state"), "{message}");
 }
 

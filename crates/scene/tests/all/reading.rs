@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::keys::with_table;
+use crate::keys::{beside, methods, with_table};
 use lennard_scene::{Arrangement, Geometry, Scene, SceneError, reference};
 
 const SMALL: &str = r#"[system]
@@ -28,9 +28,7 @@ fn parse(text: &str) -> Result<Scene, SceneError> {
 }
 
 fn with(overrides: &[(&str, &str)]) -> Result<Scene, SceneError> {
-    let owned = |(key, value): &(&str, &str)| (key.to_string(), value.to_string());
-    let overrides: Vec<_> = overrides.iter().map(owned).collect();
-    Scene::parse(SMALL, "scene.toml", &overrides)
+    Scene::parse(SMALL, "scene.toml", &beside(overrides))
 }
 
 /// The thermostat that a barostat goes with.
@@ -73,8 +71,8 @@ fn with_method(table: &str, kind: &str) -> Scene {
         ("observable", "chemical-potential") => Some("bussi"),
         _ => None,
     };
-    let bath = bath.map(|bath| ("stage.a.thermostat".to_owned(), bath.to_owned()));
-    let scene = Scene::parse(&text, "scene.toml", bath.as_slice());
+    let bath = bath.map(|bath| ("stage.a.thermostat", bath));
+    let scene = Scene::parse(&text, "scene.toml", &beside(bath.as_slice()));
     scene.unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
@@ -91,26 +89,15 @@ fn mixed(rule: &str) -> Scene {
     parse(&text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The kinds that a table may have, from the code's own list.
-fn kinds(table: &str) -> Vec<&'static str> {
-    let doc = |doc: &&reference::KeyDoc| doc.table == table && doc.key == "kind";
-    match reference::keys().iter().find(doc).map(|doc| doc.allowed) {
-        Some(reference::Allowed::Names(names)) => names(),
-        _ => vec![],
-    }
-}
-
 /// Methods that are refused in a fluid.
 const OSCILLATOR_ONLY: [&str; 2] = ["analytic", "spook"];
 
-fn methods() -> Vec<(&'static str, &'static str)> {
+fn all_methods() -> Vec<(&'static str, &'static str)> {
     let tables =
         ["potential", "integrator", "wall", "stage.thermostat", "stage.barostat", "observable"];
-    tables
-        .into_iter()
-        .flat_map(|table| kinds(table).into_iter().map(move |kind| (table, kind)))
-        .filter(|(_, kind)| !OSCILLATOR_ONLY.contains(kind))
-        .collect()
+    let of_table = |table| methods(table).into_iter().flatten().map(move |kind| (table, kind));
+    let all = tables.into_iter().flat_map(of_table);
+    all.filter(|(_, kind)| !OSCILLATOR_ONLY.contains(kind)).collect()
 }
 
 #[test]
@@ -143,7 +130,7 @@ fn overrides_reach_every_table_by_index_and_by_name() {
 #[test]
 fn an_override_of_density_takes_the_place_of_a_box() {
     let boxed = SMALL.replace("density = 0.8", "box = 8.6");
-    let density = [("system.density".to_owned(), "0.5".to_owned())];
+    let density = beside(&[("system.density", "0.5")]);
     let scene = Scene::parse(&boxed, "scene.toml", &density).unwrap();
     let Arrangement::Lattice { geometry, .. } = scene.system.start else {
         panic!("a lattice");
@@ -241,7 +228,7 @@ fn the_force_field_knows_what_the_integrator_needs() {
 
 #[test]
 fn every_method_loads_at_its_defaults_and_loads_back() {
-    for (table, kind) in methods() {
+    for (table, kind) in all_methods() {
         let scene = with_method(table, kind);
         let text = scene.resolved_toml();
         let again = parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
@@ -361,10 +348,7 @@ fn a_method_beside_the_file_takes_the_keys_of_the_other_with_it() {
         thermostat = { kind = \"nose-hoover\", tau = 0.5 }\n\
         barostat = { kind = \"stochastic-cell-rescaling\", pressure = 0.7, tau = 2.0, interval = 5 }\n\
         [[stage]]\nname = \"b\"\nsteps = 10\nmeasure = false\n[truncation]\nr_cut = 2.0\n";
-    let read = |overrides: &[(&str, &str)]| {
-        let owned = overrides.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
-        Scene::parse(text, "t.toml", &owned.collect::<Vec<_>>())
-    };
+    let read = |set: &[(&str, &str)]| Scene::parse(text, "t.toml", &beside(set));
     // The measured stage is the one that says so.
     let scene = read(&[("stage.measured.barostat.kind", "mtk")]).unwrap();
     let barostat = scene.stages[0].barostat.as_ref().unwrap();
@@ -374,7 +358,7 @@ fn a_method_beside_the_file_takes_the_keys_of_the_other_with_it() {
     let set = [("stage.a.barostat.kind", "mtk"), ("stage.a.barostat.interval", "5")];
     assert!(read(&set).unwrap_err().to_string().contains("barostat.interval`"));
     let wrong = text.replace("interval = 5", "intervall = 5");
-    let beside = [("stage.a.barostat.kind".to_owned(), "mtk".to_owned())];
-    let message = Scene::parse(&wrong, "t.toml", &beside).unwrap_err().to_string();
+    let other = beside(&[("stage.a.barostat.kind", "mtk")]);
+    let message = Scene::parse(&wrong, "t.toml", &other).unwrap_err().to_string();
     assert!(message.contains("`stage.0.barostat.intervall` is not a known key"), "{message}");
 }
