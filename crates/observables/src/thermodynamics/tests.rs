@@ -3,8 +3,8 @@
 use lennard_core::{DMat3, DVec3, Energetics, State, System, TailCorrection};
 
 use super::*;
-use crate::testing::{context, estimate, normal};
 use crate::PressureTensor;
+use crate::testing::{context, estimate, normal};
 
 /// Two Lennard-Jones particles at distance σ along (2, 1, 2)/3: U = 0, F = 24 ε/σ outwards, W = 24 ε, and
 /// ∇²U = 2·(U″ + 2U′/r) with U″ = 24·(26 − 7) = 456, U′ = −24.
