@@ -15,6 +15,8 @@ use lennard_core::PeriodicBox;
 use crate::compare::{ReadError, RunFolder, compare};
 use crate::report::{Block, Page, ReportError, Section};
 
+use self::figures::Figures;
+
 /// Why a page cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
@@ -34,7 +36,7 @@ pub enum PageError {
 /// # Errors
 /// [`PageError`] where the run did not finish, or a file cannot be read or written.
 pub fn write(folder: &Path) -> Result<(), PageError> {
-    let page = page(&RunFolder::open(folder)?);
+    let page = page(&RunFolder::open(folder)?)?;
     let html = page.to_html()?;
     for picture in page.pictures().filter(|picture| picture.name() == particles::NAME) {
         lennard_io::write_text_atomically(&folder.join("particles.svg"), &picture.to_svg()?)?;
@@ -56,8 +58,9 @@ pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError
         steps.unwrap_or(0.0),
         run.scene.total_steps()
     );
+    let figures = Figures::of(&run, false)?;
     let sections = vec![
-        Section::new("So far").figures(figures::time_series(&run, false)),
+        Section::new("So far").figures(figures.named(&figures::TIME_SERIES)),
         Section::new("What is run").table(tables::stages(&run)),
     ];
     let mut page = with_sections(&run, lead, sections);
@@ -68,23 +71,19 @@ pub fn write_under_way(folder: &Path, cell: PeriodicBox) -> Result<(), PageError
 
 /// The page of a run: what was found, then the pictures that show it, then all else by subject, folded. What the run has not got
 /// has no place and no word on it.
-#[must_use]
-pub fn page(run: &RunFolder) -> Page {
+fn page(run: &RunFolder) -> Result<Page, ReportError> {
     let compared = compare(run);
     let is_fluid = !compared.is_of_few_bodies();
     let has_means = is_fluid && !compared.rows.is_empty();
     let (record, fluid) = (&run.record, has_means.then_some(&compared));
     let mut diagrams = phase_diagram::phase_diagram(run, &compared).into_iter();
-    let state = [
-        figures::interface(run),
-        figures::pair_distribution(run),
-        particles::picture(run),
-        diagrams.next(),
-    ];
+    let figures = Figures::of(run, is_fluid)?;
+    let mut state = figures.named(&["interface_profile", "rdf"]);
+    state.extend(particles::picture(run).into_iter().chain(diagrams.next()));
     let open = [
         results::beside_the_table(fluid),
-        Section::new("Time series").figures(figures::time_series(run, is_fluid)),
-        Section::new("Structure and state").figures(state.into_iter().flatten().collect()),
+        Section::new("Time series").figures(figures.named(&figures::TIME_SERIES)),
+        Section::new("Structure and state").figures(state),
     ];
     let folded = [
         Section::new("Every quantity beside the literature")
@@ -93,11 +92,10 @@ pub fn page(run: &RunFolder) -> Page {
         Section::new("Every equation beside the run").with_all(fluid.map(tables::state_card)),
         Section::new("Averages and error bars")
             .with_all(fluid.map(|compared| vec![Block::Table(tables::averages(compared, record))]))
-            .figures(if is_fluid { figures::blocking(run) } else { Vec::new() }),
-        Section::new("More against time").figures(figures::more_in_time(run, is_fluid)),
-        Section::new("Motion and transport").figures(figures::motion(run)),
-        Section::new("Static structure factor")
-            .figures(figures::structure_factor(run).into_iter().collect()),
+            .figures(if is_fluid { figures.named(&figures::BLOCKING) } else { Vec::new() }),
+        Section::new("More against time").figures(figures.named(&figures::MORE_IN_TIME)),
+        Section::new("Motion and transport").figures(figures.named(&figures::MOTION)),
+        Section::new("Static structure factor").figures(figures.named(&["structure_factor"])),
         Section::new("Phase diagram in pressure").figures(diagrams.collect()),
         Section::new("What was run, and where the time went")
             .table(tables::stages(run))
@@ -108,7 +106,7 @@ pub fn page(run: &RunFolder) -> Page {
     let sections = sections.filter(|section| !section.blocks.is_empty()).collect();
     let mut page = with_sections(run, compared.headline.clone(), sections);
     page.provenance.insert(0, ("finished".to_owned(), finished_on(run)));
-    page
+    Ok(page)
 }
 
 /// A page about a run with these sections.

@@ -6,7 +6,7 @@ use lennard_observables::{Cell, Column, Table, Value, Verdict};
 use super::beside::{Beside, ERRORS, MOST_COLUMNS, Measured};
 use super::{Row, capital, quantity_words};
 use crate::report::{
-    Axis, Block, Columns, FigureRow, Look, Page, Picture, Section, counted, particles,
+    Axis, Block, Figure, Look, Page, Picture, Point, Section, Series, counted, particles, thinned,
 };
 use crate::{Study, StudyError};
 
@@ -181,21 +181,25 @@ impl Beside {
             _ => Axis::linear(name),
         };
         let label = if table == "msd" { "⟨Δr²⟩ / σ²" } else { words };
-        let files: Vec<String> = (0..self.names.len()).map(|k| numbered(table, k)).collect();
-        let curve = |k: usize| Columns::new(&self.names[k], [x, y], Look::line).at(k).of(&files[k]);
-        let row = FigureRow {
-            name: y,
-            title: &capital(words),
-            x: axis(if x == "r" { "r / σ" } else { "time / τ" }),
-            y: axis(&quantity_of(y).map_or_else(|| label.to_owned(), Quantity::axis)),
-            table: &files[0],
-            columns: (0..self.names.len()).map(curve).collect(),
-            ..FigureRow::default()
+        let curve = |k: usize| {
+            let table = self.folders[k].table(table)?;
+            let points = table.numbers(x)?.into_iter().zip(table.numbers(y)?);
+            let is_finite = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+            let points = thinned(points.filter(is_finite).map(Point::from).collect());
+            Some(Series::new(&self.names[k], Look::line(k), k, points))
         };
-        row.draw(|file| {
-            let run = files.iter().position(|known| known == file)?;
-            self.folders[run].table(table)
-        })
+        let first = curve(0)?;
+        let figure = Figure {
+            series: std::iter::once(first).chain((1..self.names.len()).filter_map(curve)).collect(),
+            ..Figure::new(
+                y,
+                capital(words),
+                axis(if x == "r" { "r / σ" } else { "time / τ" }),
+                axis(&quantity_of(y).map_or_else(|| label.to_owned(), Quantity::axis)),
+            )
+        };
+        let file = format!("{}.csv", numbered(table, 0));
+        (!figure.is_empty()).then(|| Picture::new(figure, "", file))
     }
 }
 

@@ -6,15 +6,14 @@ use lennard_observables::{Cell, Table};
 
 use super::blocks::{Blocks, PICTURES};
 use super::points::verdicts;
-use crate::report::{Axis, Columns, FigureRow, Guide, Look, Section};
+use crate::report::{Section, pictures};
 use crate::sweep::StudyPoints;
 use crate::sweep::{Point, SweptPoint};
 
 /// What every right choice samples alike.
 const SHOWN: [&str; 3] = ["pressure", "density", "isothermal_compressibility"];
-const COST: &str = "Cost";
-const PACE: &str = "V per τ";
-const COMPRESSIBILITY: &str = "κ_T ÷ equation";
+/// The figures of the table, by the names of its columns.
+const FIGURES: &str = include_str!("ensemble.toml");
 
 /// Independent volumes from which on a pace is told.
 const FEWEST: f64 = 10.0;
@@ -30,10 +29,10 @@ pub(super) fn read(study: &StudyPoints<'_>) -> Blocks {
         return Blocks::default();
     }
     let table = table(&runs);
-    let figures = figures().into_iter().filter_map(|row| row.draw(|_| Some(table.clone())));
+    let figures = pictures(FIGURES, &|_| Some(table.clone()), &[]);
     // The choice names its barostat.
     let shown = table.clone().without(&["Barostat"]);
-    let section = Section::new(PICTURES).figures(figures.collect()).table(shown.clone());
+    let section = Section::new(PICTURES).figures(figures.unwrap_or_default()).table(shown.clone());
     Blocks {
         lead: "A right choice has the pressure, the density and the compressibility of all others. They differ in cost and pace.".into(),
         sections: vec![section],
@@ -54,17 +53,17 @@ fn table(runs: &[Run<'_>]) -> Table {
         .column("Barostat", |(point, _)| {
             measured_stage(&point.scene).barostat.as_ref().map(|b| b.options.name())
         })
-        .column(&format!("{COST} [(µs/τ)]"), |run| Cell::rounded(cost(run), 3))
+        .column("Cost [(µs/τ)]", |run| Cell::rounded(cost(run), 3))
         .column("Accepted", |(_, swept)| Cell::rounded(accepted(swept.record.as_ref()), 2))
         .measured("P − P₀ [(ε/σ³)]", |run| row(run, 0)?.off())
         .measured("ρ [σ⁻³]", |run| row(run, 1).map(|r| r.mean()))
         .measured("ρ − equation", |run| row(run, 1)?.off())
-        .measured(COMPRESSIBILITY, |run| {
+        .measured("κ_T ÷ equation", |run| {
             let row = row(run, 2)?;
             let reference = row.reference?;
             Some((row.measured / reference, row.standard_error / reference))
         })
-        .column(PACE, |run| Cell::rounded(pace(run), 2))
+        .column("V per τ", |run| Cell::rounded(pace(run), 2))
         .measured("Drift [10⁻⁶ ε/τ]", |(_, swept)| {
             let found = swept.record.as_ref()?.conservation;
             let (slope, error) =
@@ -105,33 +104,4 @@ fn pace((point, swept): &Run<'_>) -> Option<f64> {
     let time: f64 = measured.map(|s| s.steps as f64 * point.scene.stage_dt(s)).sum();
     let volume = swept.record.as_ref()?.averages.get("volume")?.estimate;
     (volume.n_effective >= FEWEST).then(|| volume.n_effective / time)
-}
-
-fn figures() -> [FigureRow<'static>; 2] {
-    let row = |name, title, y, columns, caption: &str| FigureRow {
-        name,
-        title,
-        x: Axis::linear("wall time / (µs per atom and τ)"),
-        y,
-        table: "ensemble",
-        columns: vec![columns],
-        caption: caption.into(),
-        ..FigureRow::default()
-    };
-    let of = |column| Columns::new("{}", [COST, column], Look::marks).by("Barostat");
-    let compressibility = row(
-        "compressibility",
-        "Compressibility from the variance of V",
-        Axis::linear("κ_T over the equation of state"),
-        of(COMPRESSIBILITY).error(COMPRESSIBILITY),
-        "κ_T = var V/(T·V) beside the equation of state. Bars are one standard error.",
-    );
-    let pace = row(
-        "pace",
-        "Pace of the volume",
-        Axis::linear("independent volumes in a τ"),
-        of(PACE),
-        "How often V forgets itself: the error of a mean falls with the root of this number.",
-    );
-    [FigureRow { guides: vec![Guide::Horizontal(1.0, "equation".into())], ..compressibility }, pace]
 }

@@ -29,8 +29,7 @@ pub use palette::{COLORS, Dash, Symbol};
 pub use particles::{ParticleFigure, Sphere};
 pub use picture::{Drawing, Picture};
 pub use table::{ErrorStyle, cell_text, heading, is_numeric};
-pub use written::{Columns, FigureRow};
-pub(crate) use written::{Drawn, Given, filled, written};
+pub(crate) use written::{Drawn, Given, filled, pictures, thinned, written};
 
 /// Why a figure cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

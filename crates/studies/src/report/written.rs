@@ -11,7 +11,10 @@
 //! x = { label = "h / τ", scale = "logarithmic" }
 //! y = { label = "RMS of E − E(0) / ε", scale = "logarithmic", range = [1e-8, 10.0] }
 //! series = [{ name = "{}", x = "dt", y = "energy RMS", look = "joined", by = "way" }]
-//! caption = "RMS of the energy on the same run."
+//! caption = "RMS of the energy on the same run."         # or parts: one with a word that is not given is left out
+//!
+//! [[figure]]                                             # a figure `of` each of these names: `{of}` is the name
+//! of = ["potential_energy", "pressure"]
 //!
 //! [[section]]
 //! title = "A bond held in each way"
@@ -22,7 +25,6 @@
 //! ]
 //! ```
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use lennard_observables::{Cell, Column, Table, Value};
@@ -51,10 +53,18 @@ pub(crate) struct Given {
 struct PageText {
     title: String,
     lead: String,
-    figure: Vec<FigureText>,
+    figure: Vec<toml::Table>,
     section: Vec<SectionText>,
 }
 
+/// A text that has figures alone.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FiguresText {
+    figure: Vec<toml::Table>,
+}
+
+/// A figure. Its words are filled in, apart from words that a row of its table gives.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FigureText {
@@ -69,8 +79,16 @@ struct FigureText {
     y: Axis,
     #[serde(default)]
     guides: Vec<Guide>,
-    series: Vec<Columns<'static>>,
-    caption: String,
+    series: Vec<Columns>,
+    caption: Caption,
+}
+
+/// A caption, or its parts, of which a part with an open word is left out.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Caption {
+    Whole(String),
+    Parts(Vec<String>),
 }
 
 #[derive(Deserialize)]
@@ -114,6 +132,59 @@ pub(crate) fn filled<N: AsRef<str>>(text: &str, words: &[(N, String)]) -> String
     words.iter().fold(text.to_owned(), fill)
 }
 
+/// Fills in the words in all texts of a value.
+fn fill<N: AsRef<str>>(value: &mut toml::Value, words: &[(N, String)]) {
+    match value {
+        toml::Value::String(text) => *text = filled(text, words),
+        toml::Value::Array(values) => values.iter_mut().for_each(|value| fill(value, words)),
+        toml::Value::Table(table) => table.iter_mut().for_each(|(_, value)| fill(value, words)),
+        _ => {}
+    }
+}
+
+/// The figures of a row of a text: one, or one `of` each of the names.
+fn figures_of<N: AsRef<str>>(
+    mut row: toml::Table,
+    words: &[(N, String)],
+) -> Result<Vec<FigureText>, ReportError> {
+    let refused = |e: toml::de::Error| ReportError::Text(e.to_string());
+    let names = row.remove("of").map(toml::Value::try_into::<Vec<String>>);
+    let row = toml::Value::Table(row);
+    let rows = match names.transpose().map_err(refused)? {
+        None => vec![row],
+        Some(names) => {
+            let of = |name: String| {
+                let mut row = row.clone();
+                fill(&mut row, &[("of", name)]);
+                row
+            };
+            names.into_iter().map(of).collect()
+        }
+    };
+    let figure = |mut row: toml::Value| {
+        fill(&mut row, words);
+        row.try_into().map_err(refused)
+    };
+    rows.into_iter().map(figure).collect()
+}
+
+/// The pictures of a text that has figures alone. What has no table, or no numbers in it, is left out.
+///
+/// # Errors
+/// [`ReportError::Text`] where the text has no figures.
+pub(crate) fn pictures(
+    text: &str,
+    tables: &dyn Fn(&str) -> Option<Table>,
+    words: &[(String, String)],
+) -> Result<Vec<Picture>, ReportError> {
+    let text: FiguresText = toml::from_str(text).map_err(|e| ReportError::Text(e.to_string()))?;
+    let mut pictures = Vec::new();
+    for row in text.figure {
+        pictures.extend(figures_of(row, words)?.iter().flat_map(|figure| figure.drawn(tables)));
+    }
+    Ok(pictures)
+}
+
 /// The page of a text.
 ///
 /// # Errors
@@ -121,9 +192,12 @@ pub(crate) fn filled<N: AsRef<str>>(text: &str, words: &[(N, String)]) -> String
 pub(crate) fn written(text: &str, given: &Given) -> Result<Page, ReportError> {
     let text: PageText = toml::from_str(text).map_err(|e| ReportError::Text(e.to_string()))?;
     let mut pictures = Vec::new();
-    for figure in &text.figure {
-        let drawn = figure.drawn(given)?;
-        pictures.push((figure.name.as_str(), drawn));
+    for row in text.figure {
+        let name = row.get("name").and_then(toml::Value::as_str).unwrap_or_default().to_owned();
+        let figures = figures_of(row, &given.words)?;
+        figures.iter().try_for_each(|figure| figure.check(given))?;
+        let tables = |name: &str| given.table(name).ok().cloned();
+        pictures.push((name, figures.iter().flat_map(|f| f.drawn(&tables)).collect()));
     }
     let section = |(i, section): (usize, SectionText)| {
         let blocks = section.blocks.into_iter().map(|block| block.of(given, &pictures));
@@ -164,7 +238,7 @@ impl Given {
 }
 
 impl BlockText {
-    fn of(self, given: &Given, pictures: &[(&str, Vec<Picture>)]) -> Result<Block, ReportError> {
+    fn of(self, given: &Given, pictures: &[(String, Vec<Picture>)]) -> Result<Block, ReportError> {
         Ok(match self {
             Self::Text(text) => Block::Text(words_of(&text, given)?),
             Self::Heading(text) => Block::Heading(text),
@@ -192,9 +266,8 @@ impl BlockText {
 }
 
 impl FigureText {
-    /// The figure, or one for each value of the column that it names; none where its columns are empty.
-    fn drawn(&self, given: &Given) -> Result<Vec<Picture>, ReportError> {
-        let table = given.table(&self.table)?;
+    /// Whether the tables and the columns are there that the figure names.
+    fn check(&self, given: &Given) -> Result<(), ReportError> {
         for columns in self.columns(&self.only) {
             let table = given.table(columns.table.as_deref().unwrap_or(&self.table))?;
             if let Some(column) = columns.lacking(table) {
@@ -203,23 +276,31 @@ impl FigureText {
                 return Err(ReportError::Text(text));
             }
         }
+        given.table(&self.table).map(drop)
+    }
+
+    /// The figure, or one for each value of the column that it names; none where its columns are empty.
+    fn drawn(&self, tables: &dyn Fn(&str) -> Option<Table>) -> Vec<Picture> {
+        let Some(table) = tables(&self.table) else {
+            return Vec::new();
+        };
         let Some(each) = &self.each else {
-            return Ok(self.picture(given, &self.only, &[]).into_iter().collect());
+            return self.picture(&table, tables, &self.only, &[]).into_iter().collect();
         };
         let mut only = self.only.clone();
-        let rows = (0..table.rows()).filter(|row| takes(&self.only, table, *row));
-        let values = grouped(rows.filter_map(|row| Some((value_of(table, each, row)?, row))));
+        let rows = (0..table.rows()).filter(|row| takes(&self.only, &table, *row));
+        let values = grouped(rows.filter_map(|row| Some((value_of(&table, each, row)?, row))));
         let pictures = values.into_iter().filter_map(|(value, rows)| {
             only.insert(each.clone(), vec![value]);
-            let named = |name: &str| Some((name.to_owned(), value_of(table, name, rows[0])?));
+            let named = |name: &str| Some((name.to_owned(), value_of(&table, name, rows[0])?));
             let words: Vec<_> = table.columns.iter().filter_map(|c| named(&c.name)).collect();
-            self.picture(given, &only, &words)
+            self.picture(&table, tables, &only, &words)
         });
-        Ok(pictures.collect())
+        pictures.collect()
     }
 
     /// What is drawn, of these rows of the table of the figure.
-    fn columns(&self, only: &Only) -> Vec<Columns<'static>> {
+    fn columns(&self, only: &Only) -> Vec<Columns> {
         let mut all = self.series.clone();
         for columns in all.iter_mut().filter(|columns| columns.table.is_none()) {
             columns.only.extend(only.clone());
@@ -227,87 +308,54 @@ impl FigureText {
         all
     }
 
-    fn picture(&self, given: &Given, only: &Only, words: &[(String, String)]) -> Option<Picture> {
+    fn picture(
+        &self,
+        table: &Table,
+        tables: &dyn Fn(&str) -> Option<Table>,
+        only: &Only,
+        words: &[(String, String)],
+    ) -> Option<Picture> {
+        let series = |columns: &Columns| match &columns.table {
+            Some(other) => columns.series(&tables(other)?),
+            None => columns.series(table),
+        };
         let data = self.data.as_ref().unwrap_or(&self.table);
         let [name, title, data] = [&self.name, &self.title, data].map(|text| filled(text, words));
-        let row = FigureRow {
-            name: &name,
-            title: &title,
-            x: self.x.clone(),
-            y: self.y.clone(),
-            table: &self.table,
-            columns: self.columns(only),
-            theory: Vec::new(),
+        let figure = Figure {
+            series: self.columns(only).iter().filter_map(series).flatten().collect(),
             guides: self.guides.clone(),
-            caption: filled(&filled(&self.caption, words), &given.words),
+            ..Figure::new(name, title, self.x.clone(), self.y.clone())
         };
-        let picture = row.draw(|name| given.table(name).ok().cloned())?;
-        Some(Picture { data: format!("{data}.csv"), ..picture })
+        let caption = match &self.caption {
+            Caption::Whole(text) => filled(text, words),
+            Caption::Parts(parts) => parts.iter().filter(|p| !p.contains('{')).cloned().collect(),
+        };
+        (!figure.is_empty()).then(|| Picture::new(figure, caption, format!("{data}.csv")))
     }
 }
 
 /// Points of a line that can be told apart on a page.
 const MOST_POINTS: usize = 600;
 
-/// A figure of a table, as a row of a list: one function draws it.
-///
-/// ```text
-/// let energy = FigureRow {
-///     name: "ways-energy",                              // file stem of the SVG
-///     title: "Bonds held in each way: energy",
-///     x: Axis::logarithmic("h / τ"),
-///     y: Axis::logarithmic("RMS of E − E(0) / ε"),
-///     table: "ways",                                    // ways.csv holds the numbers
-///     columns: vec![Columns::new("{}", ["dt", "energy RMS"], Look::joined).by("way")],
-///     caption: "RMS of the energy on the same run.".into(),
-///     ..FigureRow::default()
-/// };
-/// let picture = energy.draw(|name| csv.iter().find(|table| table.name == name).cloned());
-/// ```
-///
-/// `by` draws one series for each value of a column, in the order of the table, and `{}` in the name stands for this value.
-/// `error` names the column of standard errors. Curves that are no columns, such as a law, are `theory`.
-#[derive(Debug, Clone, Default)]
-pub struct FigureRow<'a> {
-    /// File stem of the figure.
-    pub name: &'a str,
-    /// Heading inside the figure.
-    pub title: &'a str,
-    /// The horizontal axis.
-    pub x: Axis,
-    /// The vertical axis.
-    pub y: Axis,
-    /// File stem of the table.
-    pub table: &'a str,
-    /// The columns that are drawn.
-    pub columns: Vec<Columns<'a>>,
-    /// Curves that are no columns; they lie below.
-    pub theory: Vec<Series>,
-    /// Lines across.
-    pub guides: Vec<Guide>,
-    /// What it shows, with inline markup.
-    pub caption: String,
-}
-
 /// Columns that are drawn: one series, or one for each value of another column.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Columns<'a> {
-    /// Name in the legend; `{}` stands for the value of the column that divides the rows.
+struct Columns {
+    /// Name in the legend, empty where there is none; `{}` stands for the value of the column that divides the rows.
     #[serde(default)]
-    name: Cow<'a, str>,
+    name: String,
     /// The table, where it is not the one of the figure.
-    pub(super) table: Option<Cow<'a, str>>,
+    table: Option<String>,
     /// The column of abscissae.
-    x: Cow<'a, str>,
+    x: String,
     /// The column of ordinates.
-    y: Cow<'a, str>,
-    /// The column of standard errors.
-    error: Option<Cow<'a, str>>,
+    y: String,
+    /// The column of standard errors; where it is the column that is drawn, the errors in its cells.
+    error: Option<String>,
     /// The column with what a reader sees who points at a mark.
-    note: Option<Cow<'a, str>>,
+    note: Option<String>,
     /// The column with the abscissae of failed runs.
-    failed: Option<Cow<'a, str>>,
+    failed: Option<String>,
     /// The look of the series of an index.
     #[serde(deserialize_with = "look_of_name")]
     look: LookOf,
@@ -315,12 +363,12 @@ pub struct Columns<'a> {
     #[serde(default, rename = "at")]
     first: usize,
     /// The column with the index of a series, in place of their order.
-    index: Option<Cow<'a, str>>,
+    index: Option<String>,
     /// The column that divides the rows.
-    by: Option<Cow<'a, str>>,
+    by: Option<String>,
     /// The rows that are drawn: columns with the values that they must have, as they are written.
     #[serde(default)]
-    pub(super) only: Only,
+    only: Only,
     /// Of each series, the first point that is drawn …
     #[serde(default)]
     from: usize,
@@ -333,11 +381,11 @@ pub struct Columns<'a> {
 type LookOf = fn(usize) -> Look;
 
 /// Columns with the values that their rows must have, as they are written.
-pub(super) type Only = BTreeMap<String, Vec<String>>;
+type Only = BTreeMap<String, Vec<String>>;
 
 /// The looks by the names that a file has for them.
 fn look_of_name<'de, D: Deserializer<'de>>(from: D) -> Result<LookOf, D::Error> {
-    const LOOKS: [(&str, LookOf); 9] = [
+    const LOOKS: [(&str, LookOf); 10] = [
         ("line", Look::line),
         ("marks", Look::marks),
         ("joined", Look::joined),
@@ -346,6 +394,7 @@ fn look_of_name<'de, D: Deserializer<'de>>(from: D) -> Result<LookOf, D::Error> 
         ("solid", |_| Look::Line(Dash::Solid)),
         ("dashed", |_| Look::Line(Dash::Dashed)),
         ("dotted", |_| Look::Line(Dash::Dotted)),
+        ("dotted discs", |_| Look::LineAndPoints(Dash::Dotted, Symbol::Disc)),
         ("dashed marks", |i| Look::LineAndPoints(Dash::Dashed, Symbol::cycle(i))),
     ];
     let name = String::deserialize(from)?;
@@ -353,54 +402,11 @@ fn look_of_name<'de, D: Deserializer<'de>>(from: D) -> Result<LookOf, D::Error> 
     look.map(|(_, look)| *look).ok_or_else(|| D::Error::custom(format!("no look `{name}`")))
 }
 
-impl<'a> Columns<'a> {
-    /// Abscissa and ordinate under a name in the legend; an empty one keeps them out.
-    #[must_use]
-    pub fn new(name: &'a str, [x, y]: [&'a str; 2], look: LookOf) -> Self {
-        Self {
-            name: name.into(),
-            table: None,
-            x: x.into(),
-            y: y.into(),
-            error: None,
-            note: None,
-            failed: None,
-            look,
-            first: 0,
-            index: None,
-            by: None,
-            only: Only::new(),
-            from: 0,
-            every: 0,
-        }
-    }
-
-    /// The same with the standard errors of this column: its numbers, or the errors in it where it is the column that is drawn.
-    #[must_use]
-    pub fn error(self, column: &'a str) -> Self {
-        Self { error: Some(column.into()), ..self }
-    }
-
-    /// The same with the look and the color of the `index`-th series.
-    pub(crate) fn at(self, index: usize) -> Self {
-        Self { first: index, ..self }
-    }
-
-    /// The same from another table than the one of the figure.
-    pub(crate) fn of(self, table: &'a str) -> Self {
-        Self { table: Some(table.into()), ..self }
-    }
-
-    /// One series for each value of this column.
-    #[must_use]
-    pub fn by(self, column: &'a str) -> Self {
-        Self { by: Some(column.into()), ..self }
-    }
-
+impl Columns {
     /// The first column that a table lacks.
-    pub(super) fn lacking(&self, table: &Table) -> Option<&str> {
+    fn lacking(&self, table: &Table) -> Option<&str> {
         let options = [&self.error, &self.note, &self.failed, &self.index, &self.by];
-        let named = options.into_iter().flatten().chain([&self.x, &self.y]).map(|name| &**name);
+        let named = options.into_iter().flatten().chain([&self.x, &self.y]).map(String::as_str);
         let mut all = named.chain(self.only.keys().map(String::as_str));
         all.find(|name| !table.columns.iter().any(|column| column.name == *name))
     }
@@ -410,7 +416,7 @@ impl<'a> Columns<'a> {
         if self.lacking(table).is_some() {
             return None;
         }
-        let numbers = |name: &Option<Cow<'_, str>>| table.numbers(name.as_deref()?);
+        let numbers = |name: &Option<String>| table.numbers(name.as_deref()?);
         let (x, y) = (table.numbers(&self.x)?, table.numbers(&self.y)?);
         let [failed, index] = [&self.failed, &self.index].map(numbers);
         let error = self.error.as_ref().and_then(|name| match *name == self.y {
@@ -459,7 +465,7 @@ fn own_errors(table: &Table, name: &str) -> Option<Vec<f64>> {
 }
 
 /// Whether a row has the values that it must have.
-pub(super) fn takes(only: &Only, table: &Table, row: usize) -> bool {
+fn takes(only: &Only, table: &Table, row: usize) -> bool {
     let has = |(column, values): (&String, &Vec<String>)| {
         value_of(table, column, row).is_some_and(|value| values.contains(&value))
     };
@@ -467,7 +473,7 @@ pub(super) fn takes(only: &Only, table: &Table, row: usize) -> bool {
 }
 
 /// The value of a cell, as it is written.
-pub(super) fn value_of(table: &Table, column: &str, row: usize) -> Option<String> {
+fn value_of(table: &Table, column: &str, row: usize) -> Option<String> {
     let column = table.columns.iter().find(|c| c.name == column)?;
     Some(match &column.cells.get(row)?.value {
         Value::Words(words) | Value::Figures(words) => words.clone(),
@@ -476,7 +482,7 @@ pub(super) fn value_of(table: &Table, column: &str, row: usize) -> Option<String
 }
 
 /// A line with neighbors averaged where there are more than can be seen.
-fn thinned(points: Vec<Point>) -> Vec<Point> {
+pub(crate) fn thinned(points: Vec<Point>) -> Vec<Point> {
     let group = points.len().div_ceil(MOST_POINTS).max(1);
     if group == 1 {
         return points;
@@ -487,25 +493,6 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
         Point::from((x / n, y / n))
     };
     points.chunks(group).map(mean).collect()
-}
-
-impl FigureRow<'_> {
-    /// The figure with its caption; none where there is no such table, or nothing in its columns.
-    pub fn draw(self, tables: impl Fn(&str) -> Option<Table>) -> Option<Picture> {
-        let table = tables(self.table)?;
-        let series = |columns: &Columns<'_>| match &columns.table {
-            Some(other) => columns.series(&tables(other)?),
-            None => columns.series(&table),
-        };
-        let drawn = self.columns.iter().filter_map(series).flatten();
-        let figure = Figure {
-            series: self.theory.into_iter().chain(drawn).collect(),
-            guides: self.guides,
-            ..Figure::new(self.name, self.title, self.x, self.y)
-        };
-        (!figure.is_empty())
-            .then(|| Picture::new(figure, self.caption, format!("{}.csv", self.table)))
-    }
 }
 
 #[cfg(test)]
@@ -612,10 +599,13 @@ mod tests_of_row {
             .table()
     }
 
-    fn drawn(columns: Columns<'_>) -> Option<Figure> {
-        let row = FigureRow { name: "f", table: "t", columns: vec![columns], ..Default::default() };
-        let picture = row.draw(|name| (name == "t").then(table))?;
-        assert_eq!(picture.data, "t.csv");
+    fn drawn(series: &str) -> Option<Figure> {
+        let text = format!(
+            "[[figure]]\nname = \"f\"\ntitle = \"\"\ntable = \"t\"\nx = {{ label = \"\" }}\n\
+             y = {{ label = \"\" }}\nseries = [{{ x = \"x\", {series} }}]\ncaption = [\"Of {{n}}\", \"all\"]"
+        );
+        let picture = pictures(&text, &|name| (name == "t").then(table), &[]).unwrap().pop()?;
+        assert_eq!((picture.data.as_str(), picture.caption.as_str()), ("t.csv", "all"));
         match picture.drawing {
             Drawing::Plot(figure) => Some(figure),
             _ => None,
@@ -624,22 +614,25 @@ mod tests_of_row {
 
     #[test]
     fn a_column_divides_the_rows_into_series_and_what_is_no_number_is_left_out() {
-        let figure = drawn(Columns::new("way {}", ["x", "y"], Look::joined).by("way")).unwrap();
+        let figure =
+            drawn("y = \"y\", look = \"joined\", by = \"way\", name = \"way {}\"").unwrap();
         let series = |k: usize| (figure.series[k].name.as_str(), figure.series[k].points.len());
         assert_eq!([series(0), series(1)], [("way a", 2), ("way b", 1)]);
         assert_ne!(figure.series[0].color, figure.series[1].color);
-        let one = drawn(Columns::new("all", ["x", "y"], Look::marks).at(3)).unwrap();
+        let one = drawn("y = \"y\", look = \"marks\", at = 3").unwrap();
         assert_eq!((one.series.len(), one.series[0].points.len(), one.series[0].color), (1, 3, 3));
-        assert!(drawn(Columns::new("all", ["x", "z"], Look::line)).is_none());
+        assert!(drawn("y = \"z\", look = \"line\"").is_none());
     }
 
     #[test]
     fn a_long_line_is_averaged_and_marks_are_not() {
         let numbers: Vec<f64> = (0..6000).map(f64::from).collect();
         let table = Table::new("t", "").with("x", "", numbers.clone()).with("y", "", numbers);
-        let points =
-            |look| Columns::new("", ["x", "y"], look).series(&table).unwrap()[0].points.len();
-        assert_eq!(points(Look::line), 600);
-        assert_eq!(points(Look::marks), 6000);
+        let points = |look| {
+            let text = format!("x = \"x\"\ny = \"y\"\nlook = \"{look}\"");
+            toml::from_str::<Columns>(&text).unwrap().series(&table).unwrap()[0].points.len()
+        };
+        assert_eq!(points("line"), 600);
+        assert_eq!(points("marks"), 6000);
     }
 }

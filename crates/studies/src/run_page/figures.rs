@@ -1,17 +1,23 @@
-//! The figures of a run's page: a row for each, with the table that has its numbers.
+//! The figures of a run's page: what `figures.toml` says, with the words, levels and ranges that the run has.
 
-use crate::report::{
-    Axis, Columns, Dash, FigureRow, Guide, Look, Picture, Symbol, significant, with_error,
-};
-
-use lennard_observables::quantities::{Quantity, axis, quantity_of, quantity_words};
-use lennard_observables::{CORRECTED, UNCORRECTED};
+use lennard_observables::Table;
+use lennard_observables::quantities::{QUANTITIES, axis};
 
 use crate::compare::{HANSEN_VERLET, RunFolder, capital};
+use crate::report::{Drawing, Guide, Picture, ReportError, pictures, significant, with_error};
 
-/// The coefficients with Green–Kubo integrals.
-const VISCOSITY: &str = "shear_viscosity";
-const CONDUCTIVITY: &str = "thermal_conductivity";
+const TEXT: &str = include_str!("figures.toml");
+
+/// Energy, pressure and temperature against time through all stages.
+pub(super) const TIME_SERIES: [&str; 3] = ["potential_energy", "pressure", "temperature"];
+/// Density and volume where the box changes, and the conserved energy, in the measured stages.
+pub(super) const MORE_IN_TIME: [&str; 3] = ["density", "volume", "conserved_energy"];
+/// Errors of means against the length of blocks.
+pub(super) const BLOCKING: [&str; 3] =
+    ["blocking_potential_energy", "blocking_pressure", "blocking_temperature"];
+/// Displacement, velocity autocorrelation, Green–Kubo integrals.
+pub(super) const MOTION: [&str; 5] =
+    ["msd", "vacf", "vacf_integral", "shear_viscosity", "thermal_conductivity"];
 
 /// Shells that are marked in g(r).
 const SHELLS: usize = 3;
@@ -19,92 +25,134 @@ const SHELLS: usize = 3;
 /// The diffusion coefficient by the integral of the velocity autocorrelation.
 const GREEN_KUBO: &str = "diffusion_coefficient_green_kubo";
 
-/// Marks joined by a dotted line.
-fn dotted_marks(_: usize) -> Look {
-    Look::LineAndPoints(Dash::Dotted, Symbol::Disc)
-}
+/// The figures of a run. Means over time belong to a fluid, not to a few bodies.
+pub(super) struct Figures(Vec<Picture>);
 
-/// The rows that the run has tables for, drawn.
-fn drawn<'a>(run: &RunFolder, rows: impl IntoIterator<Item = FigureRow<'a>>) -> Vec<Picture> {
-    rows.into_iter().filter_map(|row| row.draw(|name| run.table(name))).collect()
-}
-
-/// A horizontal guide.
-fn level(at: f64, word: impl Into<String>) -> Guide {
-    Guide::Horizontal(at, word.into())
-}
-
-/// A level at a mean of the run, with a word beside it that says whether the mean is a result.
-fn level_at(run: &RunFolder, average: &str, word: &str) -> Vec<Guide> {
-    let mean = run.average(average).map(|a| match a.estimate.standard_error.is_finite() {
-        true => level(a.estimate.mean, word),
-        false => level(a.estimate.mean, format!("{word}: no result")),
-    });
-    mean.into_iter().collect()
-}
-
-/// A sentence with a mean of the run and its error in the place of `{}`; nothing where the run has no such mean. A mean that is
-/// no result says why.
-fn said_of(run: &RunFolder, average: &str, sentence: &str) -> String {
-    run.average(average).map_or(String::new(), |a| {
-        let value = match a.estimate.standard_error.is_finite() {
-            true => with_error(a.estimate.mean, a.estimate.standard_error),
-            false => {
-                format!("{} (no result: {})", significant(a.estimate.mean, 4), a.standing.words())
+impl Figures {
+    /// # Errors
+    /// [`ReportError::Text`] where the text of the figures is none.
+    pub(super) fn of(run: &RunFolder, is_fluid: bool) -> Result<Self, ReportError> {
+        let fit = fitted(run);
+        let table = |name: &str| {
+            let table = run.table(name)?;
+            match name {
+                "msd" if fit.is_none() => Some(table.without(&["fit"])),
+                name if BLOCKING.contains(&name) => Some(table).filter(has_errors),
+                _ => Some(table),
             }
         };
-        sentence.replace("{}", &value)
-    })
+        let mut found = pictures(TEXT, &table, &words(run, is_fluid))?;
+        for picture in &mut found {
+            if let Drawing::Plot(figure) = &mut picture.drawing {
+                figure.guides.extend(guides(run, &figure.name, is_fluid));
+                if TIME_SERIES.contains(&&*figure.name) && is_fluid {
+                    figure.y.range = measured_range(run, &figure.name);
+                }
+            }
+        }
+        Ok(Self(found))
+    }
+
+    /// The figures of these names that are there.
+    pub(super) fn named(&self, names: &[&str]) -> Vec<Picture> {
+        self.0.iter().filter(|picture| names.contains(&picture.name())).cloned().collect()
+    }
 }
 
-/// Energy, pressure and temperature against time through all stages, what means leave out in grey. Of a fluid the measured stages
-/// set the height: a start from far away comes in at the edge.
-pub(super) fn time_series(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
-    let mut guides = begins(run);
-    guides.extend(left_out(run).filter(|_| is_fluid));
-    let measured = run.table("measured").filter(|_| is_fluid);
-    let shown = ["potential_energy", "pressure", "temperature"].into_iter();
-    let draw = |name| {
-        let values = measured.as_ref().and_then(|table| table.numbers(name)).unwrap_or_default();
-        let (low, high) = (values.iter())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-        let beyond = 0.5 * (high - low);
-        let range = (beyond.is_finite() && beyond > 0.0).then_some((low - beyond, high + beyond));
-        in_time(run, "thermo", name, range, &guides, is_fluid)
+/// What stands in the place of words in braces.
+fn words(run: &RunFolder, is_fluid: bool) -> Vec<(String, String)> {
+    let mut words = vec![("freezing height".to_owned(), HANSEN_VERLET.to_string())];
+    for quantity in QUANTITIES {
+        let of = quantity.key;
+        words.extend([
+            (format!("title of {of}"), capital(quantity.words)),
+            (format!("words of {of}"), quantity.words.to_owned()),
+            (format!("axis of {of}"), quantity.axis()),
+            (format!("axis of the error of {of}"), axis("standard error", quantity.unit)),
+        ]);
+    }
+    for (name, average) in &run.record.averages {
+        let (mean, error) = (average.estimate.mean, average.estimate.standard_error);
+        let value = match error.is_finite() {
+            true => with_error(mean, error),
+            false => format!("{} (no result: {})", significant(mean, 4), average.standing.words()),
+        };
+        words.extend(is_fluid.then(|| (format!("level of {name}"), value.clone())));
+        words.push((format!("mean of {name}"), value));
+    }
+    for name in ["shear_viscosity", "thermal_conductivity"] {
+        let unit = run.average(name).map(|average| average.unit.as_str());
+        let said = unit.map(|unit| format!("Plateau {{mean of {name}}} {unit}."));
+        let said = said.unwrap_or_else(|| "No plateau was found.".to_owned());
+        words.insert(0, (format!("plateau of {name}"), said));
+    }
+    for blocking in BLOCKING {
+        let line = match printed_error(run, blocking) {
+            Some(_) => "the line is the error printed beside the mean, from the correlation time",
+            None => "the mean has no error",
+        };
+        words.push((format!("line of {blocking}"), line.to_owned()));
+    }
+    let across = run.table("interface_profile");
+    let across = across.and_then(|table| Some(table.columns.first()?.name.clone()));
+    words.extend(across.map(|across| ("axis across".to_owned(), across)));
+    let ends: Vec<String> = shells(run).iter().map(|r| format!("{r:.3}")).collect();
+    words.extend((!ends.is_empty()).then(|| ("ends of shells".to_owned(), ends.join(", "))));
+    let fit = match fitted(run) {
+        Some(ends) => {
+            let [from, to] = ends.map(|end| significant(end, 3));
+            format!("The dashed line is fitted from {from} to {to} τ.")
+        }
+        None => "No straight part was found: the run is too short.".to_owned(),
     };
-    shown.filter_map(draw).collect()
+    words.push(("fit of msd".to_owned(), fit));
+    words
 }
 
-/// Density and volume where the box changes, and the conserved energy, in the measured stages.
-pub(super) fn more_in_time(run: &RunFolder, is_fluid: bool) -> Vec<Picture> {
-    let shown = [("box", "density"), ("box", "volume"), ("measured", "conserved_energy")];
-    shown
-        .into_iter()
-        .filter_map(|(table, name)| in_time(run, table, name, None, &[], is_fluid))
-        .collect()
-}
-
-fn in_time(
-    run: &RunFolder,
-    table: &str,
-    name: &str,
-    range: Option<(f64, f64)>,
-    guides: &[Guide],
-    is_fluid: bool,
-) -> Option<Picture> {
-    let quantity = quantity_of(name)?;
-    let row = FigureRow {
-        name,
-        title: &capital(quantity.words),
-        x: Axis::linear("time / τ"),
-        y: Axis { range, ..Axis::linear(quantity.axis()) },
-        table,
-        columns: vec![Columns::new("", ["time", name], Look::line)],
-        guides: guides.to_vec(),
-        caption: if is_fluid { said_of(run, name, "Mean {}.") } else { String::new() },
-        ..FigureRow::default()
+/// The levels and the places that the run marks in a figure.
+fn guides(run: &RunFolder, figure: &str, is_fluid: bool) -> Vec<Guide> {
+    let level = |at: f64, word: &str| Guide::Horizontal(at, word.to_owned());
+    // The word says whether the mean is a result.
+    let mean = |average: &str, word: &str| {
+        let of = run.average(average)?.estimate;
+        let word = match of.standard_error.is_finite() {
+            true => word.to_owned(),
+            false => format!("{word}: no result"),
+        };
+        Some(level(of.mean, &word))
     };
-    row.draw(|name| run.table(name))
+    match figure {
+        name if TIME_SERIES.contains(&name) => {
+            let left_out = left_out(run).filter(|_| is_fluid);
+            begins(run).into_iter().chain(left_out).collect()
+        }
+        name if BLOCKING.contains(&name) => printed_error(run, name)
+            .map(|error| level(error, "printed error"))
+            .into_iter()
+            .collect(),
+        "rdf" => {
+            let shells = shells(run).into_iter().enumerate();
+            shells.map(|(i, r)| Guide::Vertical(r, (i + 1).to_string())).collect()
+        }
+        "msd" => fitted(run).map_or(Vec::new(), |[from, to]| {
+            vec![Guide::Vertical(from, "fit".into()), Guide::Vertical(to, String::new())]
+        }),
+        "vacf_integral" => mean(GREEN_KUBO, "D in this box").into_iter().collect(),
+        "shear_viscosity" | "thermal_conductivity" => mean(figure, "plateau").into_iter().collect(),
+        "structure_factor" => {
+            vec![level(HANSEN_VERLET, &format!("freezing, {HANSEN_VERLET}")), level(1.0, "")]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Twice the height of the measured stages: a start from far away comes in at the edge.
+fn measured_range(run: &RunFolder, name: &str) -> Option<(f64, f64)> {
+    let values = run.table("measured")?.numbers(name)?;
+    let bounds = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.iter().fold(bounds, |(a, b), v| (a.min(*v), b.max(*v)));
+    let beyond = 0.5 * (high - low);
+    (beyond.is_finite() && beyond > 0.0).then_some((low - beyond, high + beyond))
 }
 
 /// Where stages begin, but the first.
@@ -117,215 +165,37 @@ fn begins(run: &RunFolder) -> Vec<Guide> {
 }
 
 /// The time before the first sample that means count; none where they count all.
-fn left_out(run: &RunFolder) -> impl Iterator<Item = Guide> {
+fn left_out(run: &RunFolder) -> Option<Guide> {
     let first = |table| run.table(table).and_then(|t| t.numbers("time")?.first().copied());
     let cut = run.average("potential_energy").map_or(0, |a| a.estimate.equilibration_cut);
     // The cut counts samples, and a row may be the mean of several.
     let interval = run.scene.output.thermo_every as f64 * run.scene.integrator.dt;
     let begin = first("measured").map(|start| start + cut as f64 * interval);
     let begin = begin.filter(|begin| first("thermo").is_some_and(|start| start < *begin));
-    begin.map(|begin| Guide::Before(begin, "averages begin".into())).into_iter()
+    begin.map(|begin| Guide::Before(begin, "averages begin".into()))
 }
 
-/// Blocking curves.
-pub(super) fn blocking(run: &RunFolder) -> Vec<Picture> {
-    let draw = |name| {
-        let quantity = quantity_of(name)?;
-        let file = &format!("blocking_{name}");
-        let errors = run.table(file)?.numbers("standard_error")?;
-        if !errors.iter().any(|error| *error > 0.0) {
-            return None;
-        }
-        let printed = run.average(name).map(|average| average.estimate.standard_error);
-        let printed = printed.filter(|error| error.is_finite());
-        let line = match printed {
-            Some(_) => "the line is the error printed beside the mean, from the correlation time",
-            None => "the mean has no error",
-        };
-        let curve = Columns::new("", ["block", "standard_error"], dotted_marks);
-        let row = FigureRow {
-            name: file,
-            title: &format!("{}: error against block length", capital(quantity.words)),
-            x: Axis::logarithmic("samples per block"),
-            y: Axis::linear(axis("standard error", quantity.unit)),
-            table: file,
-            columns: vec![curve.error("uncertainty")],
-            guides: printed.map(|error| level(error, "printed error")).into_iter().collect(),
-            caption: format!(
-                "Standard error of the mean over blocks: it rises until blocks are longer than the correlation. Marks have their own \
-                 uncertainty; {line}."
-            ),
-            ..FigureRow::default()
-        };
-        row.draw(|name| run.table(name))
-    };
-    ["potential_energy", "pressure", "temperature"].into_iter().filter_map(draw).collect()
+/// Whether a blocking curve has an error to show.
+fn has_errors(blocking: &Table) -> bool {
+    let errors = blocking.numbers("standard_error").unwrap_or_default();
+    errors.iter().any(|error| *error > 0.0)
 }
 
-/// The density across a slab with its fit.
-pub(super) fn interface(run: &RunFolder) -> Option<Picture> {
-    let place = run.table("interface_profile").and_then(|t| Some(t.columns.first()?.name.clone()));
-    let place = place.unwrap_or_default();
-    let density = Columns::new("measured", [&place, "density"], Look::marks);
-    let row = FigureRow {
-        name: "interface_profile",
-        title: "Density across the slab",
-        x: Axis::linear(format!("{place} from the middle / σ")),
-        y: Axis::linear("ρ / σ⁻³"),
-        table: "interface_profile",
-        columns: vec![
-            density.error("standard_error"),
-            Columns::new("fit", [&place, "fit"], Look::line).at(1),
-        ],
-        caption: said_of(run, "liquid_density", "ρ of the liquid {} σ⁻³, ")
-            + &said_of(run, "vapor_density", "of the vapor {} σ⁻³; ")
-            + &said_of(run, "interface_thickness", "thickness from 10 % to 90 % {} σ. ")
-            + "The fit is two hyperbolic tangents about the middle of the slab.",
-        ..FigureRow::default()
-    };
-    row.draw(|name| run.table(name))
+/// The error beside the mean whose blocking curve this is.
+fn printed_error(run: &RunFolder, blocking: &str) -> Option<f64> {
+    let average = run.average(blocking.strip_prefix("blocking_")?)?;
+    Some(average.estimate.standard_error).filter(|error| error.is_finite())
 }
 
-/// g(r) with its shells.
-pub(super) fn pair_distribution(run: &RunFolder) -> Option<Picture> {
-    let shells: Vec<f64> = minima(run).into_iter().take(SHELLS).collect();
-    let ends: Vec<String> = shells.iter().map(|r| format!("{r:.3}")).collect();
-    let ends = ends.join(", ");
-    let of_shells = match shells.is_empty() {
-        true => String::new(),
-        false => {
-            format!("Shells 1, 2, … end at the dashed minima, {ends} σ.")
-                + &said_of(run, "coordination_number", " {} neighbors up to the first of them.")
-        }
-    };
-    let at_shells =
-        shells.iter().enumerate().map(|(i, r)| Guide::Vertical(*r, (i + 1).to_string()));
-    let row = FigureRow {
-        name: "rdf",
-        title: "Radial distribution function",
-        x: Axis::linear("r / σ"),
-        y: Axis::linear("g(r)"),
-        table: "rdf",
-        columns: vec![Columns::new("", ["r", "g"], Look::line)],
-        guides: [level(1.0, "")].into_iter().chain(at_shells).collect(),
-        caption: of_shells,
-        ..FigureRow::default()
-    };
-    row.draw(|name| run.table(name))
-}
-
-/// The distances of the minima of g(r), σ.
-fn minima(run: &RunFolder) -> Vec<f64> {
+/// The distances of the minima of g(r) that are marked, σ.
+fn shells(run: &RunFolder) -> Vec<f64> {
     let Some(peaks) = run.table("rdf_peaks") else {
         return Vec::new();
     };
     let kinds = peaks.numbers("kind").unwrap_or_default();
     let places = peaks.numbers("r").unwrap_or_default();
-    let both = kinds.into_iter().zip(places);
-    both.filter(|(kind, _)| *kind < 0.0).map(|(_, r)| r).collect()
-}
-
-/// Mean-square displacement, velocity autocorrelation, Green–Kubo integrals.
-pub(super) fn motion(run: &RunFolder) -> Vec<Picture> {
-    let title = |name| format!("Green–Kubo integral of the {}", quantity_words(name));
-    let [of_viscosity, of_conductivity] = [VISCOSITY, CONDUCTIVITY].map(title);
-    let green_kubo = |name, title| FigureRow {
-        name,
-        title,
-        x: Axis::linear("upper limit / τ"),
-        y: Axis::linear(quantity_of(name).map(Quantity::axis).unwrap_or_default()),
-        table: name,
-        columns: vec![
-            Columns::new("", ["time", "integral"], dotted_marks).error("integral_standard_error"),
-        ],
-        guides: level_at(run, name, "plateau"),
-        caption: match run.average(name) {
-            Some(a) => said_of(run, name, &format!("Plateau {{}} {}.", a.unit)),
-            None => "No plateau was found.".to_owned(),
-        },
-        ..FigureRow::default()
-    };
-    let integral = "A third of its integral: D = {} σ²/τ in this box";
-    let mut caption = said_of(run, GREEN_KUBO, integral)
-        + &said_of(run, UNCORRECTED, "; the slope of the displacement gives {}");
-    if !caption.is_empty() {
-        caption += ". Neither is corrected for finite size.";
-    }
-    let rows = [
-        displacement(run),
-        FigureRow {
-            name: "vacf",
-            title: "Velocity autocorrelation",
-            x: Axis::linear("lag / τ"),
-            y: Axis::linear("C(t)/C(0)"),
-            table: "vacf",
-            columns: vec![Columns::new("", ["time", "normalised"], Look::line)],
-            guides: vec![level(0.0, "")],
-            caption,
-            ..FigureRow::default()
-        },
-        FigureRow {
-            name: "vacf_integral",
-            title: "Running integral of the velocity autocorrelation",
-            x: Axis::linear("upper limit / τ"),
-            y: Axis::linear("D(t) / (σ²/τ)"),
-            table: "vacf",
-            columns: vec![Columns::new("", ["time", "diffusion"], Look::line)],
-            guides: level_at(run, GREEN_KUBO, "D in this box"),
-            ..FigureRow::default()
-        },
-        green_kubo(VISCOSITY, &of_viscosity),
-        green_kubo(CONDUCTIVITY, &of_conductivity),
-    ];
-    drawn(run, rows)
-}
-
-/// S(k) with the height at which a liquid freezes.
-pub(super) fn structure_factor(run: &RunFolder) -> Option<Picture> {
-    let freezing = format!(
-        "First peak {{}}; a liquid freezes where it reaches {HANSEN_VERLET} (Hansen and Verlet 1969)."
-    );
-    let factor = Columns::new("", ["k", "structure_factor"], Look::joined);
-    let row = FigureRow {
-        name: "structure_factor",
-        title: "Static structure factor",
-        x: Axis::linear("k / σ⁻¹"),
-        y: Axis::linear("S(k)"),
-        table: "structure_factor",
-        columns: vec![factor.error("standard_error")],
-        guides: vec![level(HANSEN_VERLET, format!("freezing, {HANSEN_VERLET}")), level(1.0, "")],
-        caption: said_of(run, "structure_factor_first_peak", &freezing),
-        ..FigureRow::default()
-    };
-    row.draw(|name| run.table(name))
-}
-
-fn displacement(run: &RunFolder) -> FigureRow<'static> {
-    let (mut guides, mut columns) =
-        (Vec::new(), vec![Columns::new("measured", ["time", "msd"], Look::line)]);
-    let mut caption = "No straight part was found: the run is too short.".to_owned();
-    if let Some([from, to]) = fitted(run) {
-        caption = format!(
-            "The dashed line is fitted from {} to {} τ.{}{}",
-            significant(from, 3),
-            significant(to, 3),
-            said_of(run, UNCORRECTED, " A sixth of its slope: D = {} σ²/τ in this box."),
-            said_of(run, CORRECTED, " Corrected for finite size (Yeh and Hummer): D = {} σ²/τ."),
-        );
-        columns.push(Columns::new("fit", ["time", "fit"], |_| Look::Line(Dash::Dashed)).at(1));
-        guides = vec![Guide::Vertical(from, "fit".into()), Guide::Vertical(to, String::new())];
-    }
-    FigureRow {
-        name: "msd",
-        title: "Mean-square displacement",
-        x: Axis::logarithmic("lag / τ"),
-        y: Axis::logarithmic("⟨|r(t) − r(0)|²⟩ / σ²"),
-        table: "msd",
-        columns,
-        guides,
-        caption,
-        ..FigureRow::default()
-    }
+    let minima = kinds.into_iter().zip(places).filter(|(kind, _)| *kind < 0.0);
+    minima.map(|(_, r)| r).take(SHELLS).collect()
 }
 
 /// The lags between which the displacement is fitted, τ.
