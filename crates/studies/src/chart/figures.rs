@@ -20,7 +20,7 @@ const DARK: usize = 6;
 pub(super) fn overview(chart: &Chart) -> Option<Picture> {
     let by = chart.cost_by;
     let shown: Vec<(&Panel, &str)> =
-        chart.panels.iter().filter_map(|p| Some((p, p.in_overview?))).collect();
+        chart.panels.iter().filter_map(|p| Some((p, p.in_overview.as_deref()?))).collect();
     let names: Vec<&str> = shown.iter().map(|(_, name)| *name).collect();
     let mut figure = Figure::new(
         "overview",
@@ -104,8 +104,8 @@ fn cost(mark: &Mark, axis: Axis) -> f64 {
 }
 
 fn figure(chart: &Chart, panel: &Panel, axis: Axis) -> Picture {
-    let [x, y] = [cost_label(chart, axis), panel.label].map(report::Axis::logarithmic);
-    let mut figure = Figure::new(name(panel, axis), panel.title, x, y);
+    let [x, y] = [cost_label(chart, axis), &panel.label].map(report::Axis::logarithmic);
+    let mut figure = Figure::new(name(panel, axis), &panel.title, x, y);
     if let Some(floor) = panel.floor {
         figure = figure.guided(Guide::UpTo(floor, panel.floor_words.into()));
     }

@@ -6,7 +6,6 @@
 mod advice;
 mod figures;
 mod grid;
-mod kinds;
 mod measure;
 mod page;
 mod panels;

@@ -6,15 +6,8 @@ use super::advice::{basis, unresolved};
 use super::figures;
 use super::types::{Advice, Axis, Chart, ChartedPoint, Mark, Panel};
 use crate::lab::Measured;
+use crate::lists::grouped;
 use crate::report::{Block, Page, Section, counted, significant};
-
-/// Sections with the panels that belong to them.
-const SECTIONS: [(&str, &[&str]); 4] = [
-    ("Forces", &["forces-same-model", "forces-untruncated"]),
-    ("Energy and temperature", &["energy-fluctuation", "energy-drift", "temperatures"]),
-    ("U and P", &["energy-equation", "pressure-equation", "energy-tightest", "pressure-tightest"]),
-    ("Motion", &["trajectory", "reversibility"]),
-];
 
 /// The whole page.
 pub(super) fn page(chart: &Chart) -> Page {
@@ -25,12 +18,9 @@ pub(super) fn page(chart: &Chart) -> Page {
         significant(plan.tight_time, 3)
     );
     let mut sections = vec![summary(chart)];
-    for (title, names) in SECTIONS {
-        let panels = chart.panels.iter().filter(|p| names.contains(&p.name));
-        let blocks: Vec<Block> = panels.flat_map(|panel| of_panel(chart, panel)).collect();
-        if !blocks.is_empty() {
-            sections.push(Section { blocks, ..Section::new(title).folded() });
-        }
+    for (title, panels) in grouped(chart.panels.iter().map(|panel| (&panel.section, panel))) {
+        let blocks = panels.into_iter().flat_map(|panel| of_panel(chart, panel)).collect();
+        sections.push(Section { blocks, ..Section::new(title).folded() });
     }
     sections.push(all_points(chart));
     sections.push(left_out(chart));
@@ -144,7 +134,7 @@ fn own_settings(chart: &Chart, panels: &[&Panel]) -> Table {
     let own = |panel: &Panel| panel.mark(1).cloned();
     Table::rows_of("own-settings", panels)
         .caption(caption)
-        .column("Error of", |p| p.title)
+        .column("Error of", |p| &p.title)
         .column("Own", |p| match own(p) {
             Some(Mark { error: Some(error), standard_error: None, .. }) => Cell::rounded(error, 2),
             Some(mark) => error_cell(&mark),
@@ -173,7 +163,7 @@ fn own_settings(chart: &Chart, panels: &[&Panel]) -> Table {
 
 fn of_panel(chart: &Chart, panel: &Panel) -> Vec<Block> {
     let shown = figures::of(chart, panel);
-    let mut blocks = vec![Block::Heading(panel.title.into())];
+    let mut blocks = vec![Block::Heading(panel.title.clone())];
     if shown.is_empty() {
         let text = format!("{} There is nothing to draw.", panel.about);
         blocks.push(Block::Remark(text));
@@ -229,7 +219,7 @@ fn all_points(chart: &Chart) -> Section {
         .caption("The error of each point in each diagram.")
         .column("", |p| p.number);
     for panel in &chart.panels {
-        errors = errors.column(panel.title, |p| panel.mark(p.number).map(error_cell));
+        errors = errors.column(&panel.title, |p| panel.mark(p.number).map(error_cell));
     }
     let section = Section::new("All points").folded().table(table.table()).table(errors.table());
     let failures: Vec<String> = chart

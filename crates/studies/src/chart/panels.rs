@@ -1,55 +1,179 @@
-//! The diagrams as data: one kind of error each, never mixed.
+//! The diagrams as data: one kind of error each, never mixed. `panels.toml` says what each is about.
+
+use lennard_observables::Estimate;
+use serde::Deserialize;
 
 use super::advice::advice;
-use super::kinds::{Floor, Kind, kinds};
-use super::types::{Axis, Chart, ChartedPoint, Mark, Panel, median};
+use super::types::{Axis, Chart, ChartedPoint, Mark, Outcome, Panel, median};
 use crate::StudyError;
-use crate::lab::Workbench;
+use crate::lab::{Measured, Workbench};
+use crate::report::{ReportError, filled, significant};
 use crate::settings::Settings;
 
 /// An error counts as smaller than another from this share of it on: less is chance.
 const SMALLER: f64 = 0.95;
+/// Rounding of a number in double precision, 2⁻⁵³.
+const ROUNDING: f64 = 1.1e-16;
+
+#[derive(Deserialize)]
+struct PanelTexts {
+    panel: Vec<Panel>,
+}
 
 /// All diagrams of a chart.
 ///
 /// # Errors
 /// [`StudyError`] where the settings of the scene do not fit it, which they do.
 pub(super) fn panels(bench: &Workbench, chart: &Chart) -> Result<Vec<Panel>, StudyError> {
-    let kinds = kinds(bench, chart)?;
-    Ok(kinds.iter().map(|kind| panel(bench, chart, kind)).collect())
+    let texts: PanelTexts = toml::from_str(include_str!("panels.toml"))
+        .map_err(|e| ReportError::Text(e.to_string()))?;
+    let words = words(bench, chart)?;
+    // A run that failed has no place where its model has no equation.
+    let mut judged: Vec<usize> = Vec::new();
+    for point in &chart.points {
+        if bench.equation(&point.settings)?.is_ok() {
+            judged.push(point.number);
+        }
+    }
+    // The forces against the untruncated fluid tell more than precision does, where there is a cutoff at all.
+    let has_cutoff = chart.against.reach.is_some();
+    let mut panels = Vec::new();
+    for mut panel in texts.panel {
+        match panel.name.as_str() {
+            "forces-untruncated" if !has_cutoff => continue,
+            "forces-same-model" if has_cutoff => panel.in_overview = None,
+            _ => {}
+        }
+        panel.about = filled(&panel.about, &words);
+        panels.push(marked(bench, chart, &judged, panel));
+    }
+    Ok(panels)
 }
 
-fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
-    let mut marks: Vec<Mark> = chart
-        .points
-        .iter()
-        .filter_map(|point| {
-            let (error, standard_error, failure) = match (kind.read)(point)? {
-                Ok((error, se)) => (Some(error), se, None),
-                Err(why) => (None, None, Some(why)),
-            };
-            let (wall, pair_forces) = cost(bench, chart, point)?;
-            let spread = point.cost().map(|c| (c.wall.lowest, c.wall.highest));
-            Some(Mark {
-                number: point.number,
-                wall,
-                wall_range: spread,
-                pair_forces,
-                error,
-                standard_error,
-                failure,
-                on_wall_front: false,
-                on_forces_front: false,
-            })
-        })
-        .collect();
-    let (floor, floor_words) = match kind.floor {
-        Floor::None => (None, ""),
-        Floor::At(value, words) => (Some(value), words),
-        Floor::Statistical => {
+/// What stands in the place of words in braces.
+fn words(bench: &Workbench, chart: &Chart) -> Result<[(&'static str, String); 8], StudyError> {
+    let against = &chart.against;
+    let tightest = &chart.points[against.tightest];
+    let equation = match bench.equation(&Settings::of(bench.scene()))? {
+        Ok(name) => format!(
+            "Each model is compared with its own equation of state, at the density and the temperature of its run: {name} \
+             for the model of the scene. Models without an equation are not in this diagram, but in the next."
+        ),
+        Err(why) => format!(
+            "Each model is compared with its own equation of state. For the model of the scene there is {why}: it is judged by \
+             the tightest run alone."
+        ),
+    };
+    let said = chart.points[0].measured().map_or(String::new(), |m| m.remarks.join("; "));
+    let more = match equation.contains(&said) {
+        true => String::new(),
+        false => format!(" Of the scene's own: {said}."),
+    };
+    Ok([
+        ("reach", significant(against.reach.unwrap_or(f64::NAN), 3)),
+        ("beside the equation", equation + &more),
+        ("tightest", tightest.number.to_string()),
+        ("its label", tightest.label.clone()),
+        ("its time", significant(chart.plan.tight_time, 3)),
+        ("temperature", significant(against.slopes.temperature, 4)),
+        ("slopes", against.slopes.source.clone()),
+        ("short time", significant(chart.plan.short_time, 3)),
+    ])
+}
+
+/// An error and its standard error, where it has one.
+type Error = (f64, Option<f64>);
+
+/// The error of a kind of a point that is measured, or why its run failed; nothing where such settings have none.
+fn error_of(
+    kind: &str,
+    point: &ChartedPoint,
+    chart: &Chart,
+    judged: &[usize],
+) -> Option<Result<Error, String>> {
+    let errors = point.errors.as_ref()?;
+    let run = |read: &dyn Fn(&Measured) -> Option<Estimate>| {
+        let value = |m: &Measured| read(m).map(|v| (v.mean, Some(v.standard_error)));
+        what_came_of(&errors.measured, value)
+    };
+    let tightest = &chart.points[chart.against.tightest];
+    // A run is no judge of itself.
+    let is_other = point.number != tightest.number;
+    let is_judged = judged.contains(&point.number);
+    match kind {
+        "forces-same-model" => Some(Ok((errors.forces.same_model, None))),
+        "forces-untruncated" => Some(Ok((errors.forces.untruncated?, None))),
+        "energy-fluctuation" => what_came_of(&errors.measured, |m| Some((m.energy_rms, None))),
+        "energy-drift" => run(&|m| Some(m.drift)),
+        "temperatures" => run(&|m| Some(m.temperature_difference)),
+        "energy-equation" if is_judged => {
+            run(&|m| Some(m.against_equation.as_ref()?.potential_energy))
+        }
+        "pressure-equation" if is_judged => run(&|m| Some(m.against_equation.as_ref()?.pressure)),
+        "energy-tightest" if is_other => run(&|m| {
+            Some(
+                m.potential_energy_at_reference
+                    .minus(&tightest.measured()?.potential_energy_at_reference),
+            )
+        }),
+        "pressure-tightest" if is_other => run(&|m| {
+            Some(m.pressure_at_reference.minus(&tightest.measured()?.pressure_at_reference))
+        }),
+        "trajectory" => what_came_of(&errors.trajectory, |t| Some((t.distance, None))),
+        "reversibility" => what_came_of(&errors.reversibility, |distance| Some((*distance, None))),
+        _ => None,
+    }
+}
+
+/// The error in what came of a part of the runs of a point.
+fn what_came_of<T>(
+    part: &Outcome<T>,
+    read: impl Fn(&T) -> Option<Error>,
+) -> Option<Result<Error, String>> {
+    match part {
+        Outcome::Failed(failed) => Some(Err(failed.reason.clone())),
+        Outcome::Found(found) => read(found).filter(|(value, _)| value.is_finite()).map(Ok),
+    }
+}
+
+/// Below what errors of a kind say nothing, and what makes that floor.
+fn floor_of(kind: &str, chart: &Chart, marks: &[Mark]) -> (Option<f64>, &'static str) {
+    let of_trajectory = |p: &ChartedPoint| Some(p.errors.as_ref()?.trajectory.found()?.floor);
+    match kind {
+        "forces-same-model" => (Some(ROUNDING), "rounding of one number"),
+        "forces-untruncated" => (chart.against.left_out_of_forces, "what that sum leaves out"),
+        "energy-fluctuation" | "reversibility" => (None, ""),
+        "trajectory" => match median(chart.points.iter().filter_map(of_trajectory).collect()) {
+            None => (None, ""),
+            floor => (floor, "the tight trajectory itself"),
+        },
+        _ => {
             (median(marks.iter().filter_map(|m| m.standard_error).collect()), "one standard error")
         }
+    }
+}
+
+/// The panel with the marks of all points that have such an error.
+fn marked(bench: &Workbench, chart: &Chart, judged: &[usize], panel: Panel) -> Panel {
+    let mark = |point: &ChartedPoint| {
+        let (error, standard_error, failure) = match error_of(&panel.name, point, chart, judged)? {
+            Ok((error, se)) => (Some(error), se, None),
+            Err(why) => (None, None, Some(why)),
+        };
+        let (wall, pair_forces) = cost(bench, chart, point)?;
+        Some(Mark {
+            number: point.number,
+            wall,
+            wall_range: point.cost().map(|c| (c.wall.lowest, c.wall.highest)),
+            pair_forces,
+            error,
+            standard_error,
+            failure,
+            ..Mark::default()
+        })
     };
+    let mut marks: Vec<Mark> = chart.points.iter().filter_map(mark).collect();
+    let (floor, floor_words) = floor_of(&panel.name, chart, &marks);
     for axis in [Axis::Wall, Axis::Forces] {
         let all: Vec<&Mark> = marks.iter().collect();
         for i in front(&all, axis, floor.unwrap_or(0.0)) {
@@ -60,7 +184,7 @@ fn panel(bench: &Workbench, chart: &Chart, kind: &Kind) -> Panel {
         }
     }
     let advice = advice(chart, &marks, floor.unwrap_or(0.0));
-    Panel { floor, floor_words, advice, marks, ..kind.panel.clone() }
+    Panel { floor, floor_words, advice, marks, ..panel }
 }
 
 /// Wall time and pair forces for each particle and τ. A run may blow up before it is timed. Its cost then comes

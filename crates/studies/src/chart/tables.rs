@@ -79,14 +79,14 @@ fn word(choice: &impl Serialize) -> String {
 
 /// The marks of a panel.
 pub(super) fn panel(chart: &Chart, panel: &Panel) -> Table {
-    Table::rows_of(panel.name, &panel.marks)
+    Table::rows_of(&*panel.name, &panel.marks)
         .column("number", |m| m.number)
         .column("settings", |m| chart.label(m.number))
         .column("wall median [s per atom and tau]", |m| m.wall)
         .column("wall lowest [s per atom and tau]", |m| m.wall_range.map(|r| r.0))
         .column("wall highest [s per atom and tau]", |m| m.wall_range.map(|r| r.1))
         .column("pair forces per atom and tau", |m| m.pair_forces)
-        .column(panel.label, |m| m.error)
+        .column(&panel.label, |m| m.error)
         .column("standard error", |m| m.standard_error.filter(|e| e.is_finite()))
         .column("on the front by wall time", |m| m.on_wall_front)
         .column("on the front by pair forces", |m| m.on_forces_front)

@@ -257,26 +257,34 @@ pub enum Advice {
 }
 
 /// A diagram: one kind of error.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Panel {
     /// File stem.
-    pub name: &'static str,
+    pub name: String,
+    /// Section of the page.
+    #[serde(skip_serializing)]
+    pub section: String,
     /// What the error is of.
-    pub title: &'static str,
+    pub title: String,
     /// Label of the axis of the error.
-    pub label: &'static str,
+    pub label: String,
     /// The error's name and unit in the first picture; absent where it is not in it.
-    #[serde(skip)]
-    pub in_overview: Option<&'static str>,
+    #[serde(skip_serializing)]
+    pub in_overview: Option<String>,
     /// What is shown, in sentences.
     pub about: String,
     /// Errors below this say nothing.
+    #[serde(skip_deserializing)]
     pub floor: Option<f64>,
     /// What makes that floor, in a few words.
+    #[serde(skip_deserializing)]
     pub floor_words: &'static str,
     /// What would do as well as the scene's own settings for less; absent where their error is not known.
+    #[serde(skip_deserializing)]
     pub advice: Option<Advice>,
     /// The points. Those for which there is no such error are not among them.
+    #[serde(skip_deserializing)]
     pub marks: Vec<Mark>,
 }
 
