@@ -1,6 +1,7 @@
 //! Quantity by quantity: what it is compared with, and how far off it may be.
 
 use lennard_core::Molecules;
+use lennard_io::Comparison;
 use lennard_literature::{
     EquationOfState, ModelKind, TransportProperty, equation_of_state_for, property,
 };
@@ -87,9 +88,9 @@ impl Compared<'_> {
             Beside::Nothing => row,
             Beside::Bath => self.beside_bath(row, false),
             Beside::BathOnHalfSteps => self.beside_bath(row, true),
-            Beside::PotentialEnergy => self.potential_energy(row),
+            Beside::PotentialEnergy => self.beside_equation(row, ENERGY),
             Beside::Pressure => self.pressure(row),
-            Beside::Density => self.beside_equation_at_pressure(row, DENSITY),
+            Beside::Density => self.beside_equation(row, DENSITY),
             Beside::HeatCapacity => self.heat_capacity(row),
             Beside::ResponseFunction => self.response(row),
             Beside::KineticTemperature => self.configurational_temperature(row),
@@ -137,14 +138,26 @@ impl Compared<'_> {
         equation.filter(|_| self.no_reference.is_none())
     }
 
-    /// U or P beside the equation of state for as many particles, as the run itself has compared it with the whole series.
+    /// Density, U or P beside the equation of state, as the run itself has compared it with the whole series.
     fn beside_equation(&self, row: Row, tolerance: Tolerance) -> Row {
-        let run = self.run;
-        let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;
-        let (Some(compared), Some(_)) = (run.record.comparison.iter().find(of), self.equation())
-        else {
+        let of = |c: &&Comparison| c.quantity == row.quantity;
+        let Some(compared) = self.run.record.comparison.iter().find(of) else {
             return self.or_why_none(row);
         };
+        let Comparison { reference, standard_error, source, .. } = compared;
+        let row = match self.barostat() {
+            Some(_) => row
+                .against_with_error(*reference, *standard_error, tolerance, source)
+                .noted("at the pressure of the barostat and the measured temperature"),
+            None if self.equation().is_some() => self.in_a_closed_box(row, compared, tolerance),
+            None => return self.or_why_none(row),
+        };
+        self.where_it_applies(row)
+    }
+
+    /// U or P beside the equation of state for as many particles in a closed box.
+    fn in_a_closed_box(&self, row: Row, compared: &Comparison, tolerance: Tolerance) -> Row {
+        let run = self.run;
         let particles =
             crate::report::particles(run.record.atoms as usize, run.molecules() as usize);
         let is_pressure = row.quantity == "pressure";
@@ -182,21 +195,13 @@ impl Compared<'_> {
                 "the tolerance holds a finite-size term of ± {held}, which is not trusted {why}"
             );
         }
-        self.where_it_applies(row)
+        row
     }
 
     /// The barostat of the measured stages.
     fn barostat(&self) -> Option<&PressureControl> {
         let measured = self.run.scene.stages.iter().find(|s| s.measure)?;
         measured.barostat.as_ref()
-    }
-
-    fn potential_energy(&self, row: Row) -> Row {
-        if self.barostat().is_some() {
-            self.beside_equation_at_pressure(row, ENERGY)
-        } else {
-            self.beside_equation(row, ENERGY)
-        }
     }
 
     /// P beside the equation of state, or beside the pressure of the barostat.
@@ -218,23 +223,6 @@ impl Compared<'_> {
                 "for {} particles without total momentum: {shift:+.5} beside an infinite system",
                 self.run.record.atoms
             ))
-    }
-
-    /// Density or U beside the equation of state at the pressure of the barostat, as the run itself has compared it.
-    fn beside_equation_at_pressure(&self, row: Row, tolerance: Tolerance) -> Row {
-        let of = |c: &&lennard_io::Comparison| c.quantity == row.quantity;
-        let Some(compared) = self.run.record.comparison.iter().find(of) else {
-            return self.or_why_none(row);
-        };
-        let row = row
-            .against_with_error(
-                compared.reference,
-                compared.standard_error,
-                tolerance,
-                &compared.source,
-            )
-            .noted("at the pressure of the barostat and the measured temperature");
-        self.where_it_applies(row)
     }
 
     /// A difference is no finding where the reference does not apply. A fluid's reference does not apply to what does not flow.

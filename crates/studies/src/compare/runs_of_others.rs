@@ -100,15 +100,12 @@ impl<'a> RunsOfOthers<'a> {
 
     /// D in a periodic box is smaller than in an infinite one by ξT/(6πηL) (I.-C. Yeh and G. Hummer, J. Phys. Chem. B 108,
     /// 15873 (2004)). The reference is carried to the box of the run with the viscosity of the run.
-    fn diffusion(&self, mut row: Row, reference: &KobAndersenRow) -> Row {
+    fn diffusion(&self, row: Row, reference: &KobAndersenRow) -> Row {
         let Some(viscosity) =
             self.run.average("shear_viscosity").filter(|v| v.is_sound()).filter(|_| row.is_sound())
         else {
-            if row.is_sound() {
-                row.reason =
-                    "D of another box: the viscosity of this run would tell how it differs".into();
-            }
-            return row;
+            let why = "D of another box: the viscosity of this run would tell how it differs";
+            return row.without_reference(why);
         };
         let Some(particles) = reference.particles else {
             return row;

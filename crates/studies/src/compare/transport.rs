@@ -11,7 +11,7 @@ const TRANSPORT: Tolerance = Tolerance::new(2.0, 0.0, 0.03);
 
 impl Compared<'_> {
     /// A coefficient beside the tabulated state nearest to the run. The tables are for the full potential.
-    pub(super) fn beside_table(&self, mut row: Row, property: TransportProperty) -> Row {
+    pub(super) fn beside_table(&self, row: Row, property: TransportProperty) -> Row {
         if self.no_reference.is_some() {
             return self.or_why_none(row);
         }
@@ -22,16 +22,8 @@ impl Compared<'_> {
             Some(value) => row
                 .against(value.value, value.uncertainty, TRANSPORT, &value.source)
                 .noted(value.state_words()),
-            None => {
-                if row.is_sound() {
-                    row.reason = if full_potential {
-                        "no tabulated state is near".into()
-                    } else {
-                        "the tables are for the full Lennard-Jones potential".into()
-                    };
-                }
-                row
-            }
+            None if full_potential => row.without_reference("no tabulated state is near"),
+            None => row.without_reference("the tables are for the full Lennard-Jones potential"),
         }
     }
 

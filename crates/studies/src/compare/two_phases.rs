@@ -15,24 +15,17 @@ impl Compared<'_> {
     /// A number of a slab beside the literature at the measured temperature.
     ///
     /// The normal pressure of a flat interface is the vapor pressure, since it is the same on both sides.
-    pub(super) fn beside_two_phases(&self, mut row: Row, beside: Beside) -> Row {
+    pub(super) fn beside_two_phases(&self, row: Row, beside: Beside) -> Row {
         if !self.run.has_two_phases() {
             return row;
         }
         let source = match TwoPhaseSource::of(self.model) {
             Ok(source) => source,
-            Err(none) => {
-                if row.is_sound() {
-                    row.reason = none.to_string();
-                }
-                return row;
-            }
+            Err(none) => return row.without_reference(none.to_string()),
         };
         let Some(phases) = source.at(self.state.temperature) else {
-            if row.is_sound() {
-                row.reason = format!("{} has no two phases at this temperature", source.name());
-            }
-            return row;
+            let none = format!("{} has no two phases at this temperature", source.name());
+            return row.without_reference(none);
         };
         let saturation = phases.saturation;
         let (reference, tolerance) = match beside {
@@ -44,10 +37,7 @@ impl Compared<'_> {
         match reference {
             Some(reference) => row.against(reference, None, tolerance, &phases.source),
             None => {
-                if row.is_sound() {
-                    row.reason = "no source with a surface tension of this model was read".into();
-                }
-                row
+                row.without_reference("no source with a surface tension of this model was read")
             }
         }
         .noted(format!("of {}", self.run.record.model))

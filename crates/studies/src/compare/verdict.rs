@@ -265,6 +265,14 @@ impl Row {
         })
     }
 
+    /// The same with the reason why nothing stands beside it; a row that is no result keeps its own.
+    pub(super) fn without_reference(self, why: impl Into<String>) -> Self {
+        match self.is_sound() {
+            true => Self { reason: why.into(), ..self },
+            false => self,
+        }
+    }
+
     /// Adds what is to be known.
     pub(super) fn noted(mut self, remark: impl Into<String>) -> Self {
         let remark = remark.into();

@@ -413,41 +413,50 @@ fn seed_of_point(seed: u64, name: &str) -> u64 {
     Streams::new(seed).sequential(&stream).next_u64() >> 1
 }
 
-/// A row of a factor: its name, where it has one, and its values.
+/// A point in the making: the names of its rows, and its values.
 #[derive(Debug, Clone, Default)]
 struct Row {
-    name: Option<String>,
+    names: Vec<String>,
     choices: Vec<Choice>,
 }
 
-/// Every combination of the values of some axes, the last axis running fastest; one more than the most where there are more.
-fn product(table: &AxisTable) -> Vec<Row> {
-    let mut rows = vec![Row { name: table.names.first().cloned(), choices: Vec::new() }];
-    for axis in &table.axes {
-        let axis = Arc::new(axis.clone());
-        let is_named = !table.names.is_empty();
-        let longer = |row: &Row, which: usize| {
-            let mut row = row.clone();
-            row.choices.push(Choice { axis: Arc::clone(&axis), which, is_named });
-            row
-        };
-        let all = rows.iter().flat_map(|row| (0..axis.values.len()).map(|i| longer(row, i)));
-        rows = all.take(MOST_SHARED + 1).collect();
+impl Row {
+    /// The row of the `which`th values of some axes.
+    fn of(name: Option<&String>, axes: &[Arc<Axis>], which: usize) -> Self {
+        let is_named = name.is_some();
+        let choice = |axis: &Arc<Axis>| Choice { axis: Arc::clone(axis), which, is_named };
+        Self {
+            names: name.into_iter().cloned().collect(),
+            choices: axes.iter().map(choice).collect(),
+        }
     }
-    rows
+}
+
+/// Each row of some with each of others, the others running fastest; one more than the most where there are more.
+fn multiplied(rows: &[Row], others: &[Row]) -> Vec<Row> {
+    let joined = |row: &Row, other: &Row| Row {
+        names: row.names.iter().chain(&other.names).cloned().collect(),
+        choices: row.choices.iter().chain(&other.choices).cloned().collect(),
+    };
+    let all = rows.iter().flat_map(|row| others.iter().map(move |other| joined(row, other)));
+    all.take(MOST_SHARED + 1).collect()
+}
+
+/// Every combination of the values of some axes.
+fn product(table: &AxisTable) -> Vec<Row> {
+    let name = table.names.first();
+    table.axes.iter().fold(vec![Row::of(name, &[], 0)], |rows, axis| {
+        let axis = [Arc::new(axis.clone())];
+        let of_axis = |which| Row { names: Vec::new(), ..Row::of(name, &axis, which) };
+        multiplied(&rows, &(0..axis[0].values.len()).map(of_axis).collect::<Vec<_>>())
+    })
 }
 
 /// The first values of all axes, then the second ones.
 fn zipped(table: &AxisTable) -> Vec<Row> {
     let axes: Vec<Arc<Axis>> = table.axes.iter().map(|axis| Arc::new(axis.clone())).collect();
     let length = axes.first().map_or(0, |axis| axis.values.len());
-    let row = |which: usize| {
-        let name = table.names.get(which).cloned();
-        let is_named = name.is_some();
-        let choice = |axis: &Arc<Axis>| Choice { axis: Arc::clone(axis), which, is_named };
-        Row { name, choices: axes.iter().map(choice).collect() }
-    };
-    (0..length).map(row).collect()
+    (0..length).map(|which| Row::of(table.names.get(which), &axes, which)).collect()
 }
 
 /// All points: `[[point]]` × `[zip]` × `[grid]`.
@@ -460,21 +469,13 @@ fn expand(study: &StudyFile) -> Result<Vec<PlannedPoint>, SceneError> {
         study.zip.as_ref().map(zipped),
         study.grid.as_ref().map(product),
     ];
-    let mut points: Vec<(Vec<String>, Vec<Choice>)> = vec![Default::default()];
-    for factor in factors.into_iter().flatten() {
-        let joined = |(names, choices): &(Vec<String>, Vec<Choice>), row: &Row| {
-            let names = names.iter().chain(&row.name).cloned().collect();
-            let choices = choices.iter().chain(&row.choices).cloned().collect();
-            (names, choices)
-        };
-        let all = points.iter().flat_map(|point| factor.iter().map(|row| joined(point, row)));
-        points = all.take(MOST_SHARED + 1).collect();
-    }
+    let factors = factors.into_iter().flatten();
+    let points = factors.fold(vec![Row::default()], |points, rows| multiplied(&points, &rows));
     if points.len() > MOST_SHARED {
         return Err(too_many(study, MOST_SHARED));
     }
-    let is_none = |(names, choices): &(Vec<String>, Vec<Choice>)| {
-        names.is_empty() && choices.iter().all(|c| c.axis.scene_key().is_none())
+    let is_none = |row: &Row| {
+        row.names.is_empty() && row.choices.iter().all(|c| c.axis.scene_key().is_none())
     };
     // A list without values leaves no combination; a table without keys is no point, unless it names the base scene.
     if points.is_empty() || points.iter().any(is_none) {
@@ -482,7 +483,7 @@ fn expand(study: &StudyFile) -> Result<Vec<PlannedPoint>, SceneError> {
     }
     let mut taken = BTreeSet::new();
     let mut planned = Vec::with_capacity(points.len());
-    for (names, mut choices) in points {
+    for Row { names, mut choices } in points {
         choices.sort_by_key(|choice| choice.axis.rank());
         let text = PlannedPoint::name_of(&names, &choices, true);
         let Some(name) = Name::new(&*text) else {
