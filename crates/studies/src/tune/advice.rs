@@ -4,9 +4,7 @@ use lennard_core::number::{short, signed, significant};
 use lennard_scene::{Accuracy, Judged, Scene, SceneError};
 
 use super::Row;
-use super::choose::{Candidate, Choice, Freedom, choose};
-use super::predict::{Models, Prediction, Stability};
-use super::prices::Prices;
+use super::choose::{Candidate, Freedom, Search, place_of};
 use super::sample::{Sample, VERLET_LIMIT};
 use super::verify::Runs;
 use crate::StudyError;
@@ -14,37 +12,12 @@ use crate::lab;
 use crate::settings::Settings;
 use lennard_observables::Estimate;
 
-/// What a search was made with.
-pub(super) struct Search<'a> {
-    pub scene: &'a Scene,
-    pub sample: &'a Sample,
-    pub stability: &'a Stability,
-    pub prices: &'a Prices,
-    pub base: &'a Settings,
-}
-
 impl Search<'_> {
-    /// Looks through what the scene leaves open; `but` names a key that is taken as open too.
-    pub(crate) fn choose(
-        &self,
-        models: &mut Models<'_>,
-        accuracy: &Accuracy,
-        but: Option<&str>,
-        largest_step: f64,
-    ) -> Result<Choice, StudyError> {
-        let freedom = Freedom::of(self.scene, self.sample, self.stability, but);
-        choose(&freedom, models, self.prices, self.base, accuracy, largest_step)
-    }
-
     /// The error that the accuracy cannot be met. It names the setting fixed by hand where this is the cause. It says
     /// which accuracy can be met, and at what cost.
-    pub(crate) fn refusal(
-        &self,
-        models: &mut Models<'_>,
-        accuracy: &Accuracy,
-        nearest: &Candidate,
-    ) -> Result<SceneError, StudyError> {
-        let reachable = self.reachable(accuracy, nearest);
+    pub(crate) fn refusal(&mut self, nearest: &Candidate) -> Result<SceneError, StudyError> {
+        let accuracy = self.accuracy;
+        let reachable = self.reachable(nearest);
         let wanted = accuracy.asked().into_iter().find(|(key, ..)| *key == nearest.limiting);
         let (key, target, unit) = wanted.unwrap_or((nearest.limiting, f64::NAN, ""));
         let fixed = Freedom::of(self.scene, self.sample, self.stability, None).fixed;
@@ -54,7 +27,7 @@ impl Search<'_> {
             if model_is_fixed && hand.starts_with("truncation") {
                 continue;
             }
-            let free = self.choose(models, accuracy, Some(&hand), f64::INFINITY)?;
+            let free = self.choose(&accuracy, Some(&hand), f64::INFINITY)?;
             if let Some(better) = free.cheapest {
                 let message = format!("contradicts `accuracy.{key}`");
                 let found = format!("{hand} fixed by hand, {key} = {target} {unit} wanted");
@@ -75,8 +48,9 @@ impl Search<'_> {
     }
 
     /// What settings reach, and at which price.
-    fn reachable(&self, accuracy: &Accuracy, nearest: &Candidate) -> String {
-        let errors: Vec<String> = accuracy
+    fn reachable(&self, nearest: &Candidate) -> String {
+        let errors: Vec<String> = self
+            .accuracy
             .asked()
             .into_iter()
             .map(|(key, ..)| format!("{key} = {:.1e}", round_up(nearest.reach(key))))
@@ -151,15 +125,12 @@ pub(super) fn spending(rows: &[Row], relaxed: Option<&Candidate>, price: f64) ->
 
 /// Points out targets that are kept because errors of opposite sign cancel.
 pub(super) fn cancelling(candidate: &Candidate, accuracy: &Accuracy) -> Option<String> {
-    let asked = accuracy.asked();
-    let target = |key: &str| asked.iter().find(|(k, ..)| *k == key).map(|(_, target, _)| *target);
-    let cancels = |(key, p): (&'static str, &Prediction)| {
-        let alone = p.truncation.mean.abs().max(p.step.mean.abs());
-        target(key).is_some_and(|target| alone > target).then(|| key.replace('_', " "))
+    let cancels = |(key, target, _): (&str, f64, &str)| {
+        let predicted = &candidate.predicted[place_of(key)?];
+        let alone = predicted.truncation.mean.abs().max(predicted.step.mean.abs());
+        (alone > target).then(|| key.replace('_', " "))
     };
-    let keys = ["potential_energy", "pressure"];
-    let found: Vec<String> =
-        keys.into_iter().zip(&candidate.predicted).filter_map(cancels).collect();
+    let found: Vec<String> = accuracy.asked().into_iter().filter_map(cancels).collect();
     (!found.is_empty()).then(|| {
         format!(
             "in the {} the errors of truncation and time step cancel in part: change neither alone",

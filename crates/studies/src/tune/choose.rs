@@ -6,6 +6,7 @@ use lennard_scene::{Accuracy, Scene};
 use super::predict::{Models, Prediction, Stability};
 use super::prices::Prices;
 use super::sample::Sample;
+use super::survey::Survey;
 use crate::StudyError;
 use crate::settings::Settings;
 
@@ -165,17 +166,17 @@ pub(super) struct Candidate {
 impl Candidate {
     /// The predicted error of a quantity with its uncertainty.
     pub(crate) fn reach(&self, key: &str) -> f64 {
-        let of = |p: &Prediction| {
-            p.total.mean.abs()
-                + HIGHER_ORDERS * p.truncation.mean.abs()
-                + MARGIN * p.total.standard_error
+        let Some(i) = place_of(key) else {
+            return self.drift.abs();
         };
-        match key {
-            "potential_energy" => of(&self.predicted[0]),
-            "pressure" => of(&self.predicted[1]),
-            _ => self.drift.abs(),
-        }
+        let Prediction { truncation, total, .. } = &self.predicted[i];
+        total.mean.abs() + HIGHER_ORDERS * truncation.mean.abs() + MARGIN * total.standard_error
     }
+}
+
+/// Where U or P stands in pairs of both; the drift has no place there.
+pub(super) fn place_of(key: &str) -> Option<usize> {
+    ["potential_energy", "pressure"].into_iter().position(|known| known == key)
 }
 
 /// The outcome of a search.
@@ -186,59 +187,69 @@ pub(super) struct Choice {
     pub nearest: Candidate,
 }
 
-/// Looks through everything that is free; `largest_step` bounds dt beside the ceiling.
-pub(super) fn choose(
-    freedom: &Freedom,
-    models: &mut Models<'_>,
-    prices: &Prices,
-    base: &Settings,
-    accuracy: &Accuracy,
-    largest_step: f64,
-) -> Result<Choice, StudyError> {
-    let mut cheapest: Option<Candidate> = None;
-    let mut nearest: Option<Candidate> = None;
-    let shortest = freedom.steps.first().copied().unwrap_or(f64::NAN);
-    for settings in freedom.all(base) {
-        if settings.dt > largest_step && settings.dt > shortest {
-            continue;
-        }
-        let candidate = judge(settings, models, prices, accuracy)?;
-        // Of equal prices, the smaller errors.
-        let better =
-            |than: &Candidate| (candidate.price, candidate.worst) < (than.price, than.worst);
-        if candidate.worst <= 1.0 && cheapest.as_ref().is_none_or(better) {
-            cheapest = Some(candidate.clone());
-        }
-        if nearest.as_ref().is_none_or(|c| candidate.worst < c.worst) {
-            nearest = Some(candidate);
-        }
-    }
-    let nearest = nearest
-        .ok_or_else(|| StudyError::Nothing("no settings are left to choose among".into()))?;
-    Ok(Choice { cheapest, nearest })
+/// What a search is made with.
+pub(super) struct Search<'a> {
+    pub scene: &'a Scene,
+    pub sample: &'a Sample,
+    pub survey: &'a Survey,
+    pub stability: &'a Stability,
+    pub prices: &'a Prices,
+    pub base: &'a Settings,
+    /// The accuracy that the scene asks for.
+    pub accuracy: Accuracy,
+    pub models: Models<'a>,
 }
 
-/// What settings are expected to err and to cost.
-pub(super) fn judge(
-    settings: Settings,
-    models: &mut Models<'_>,
-    prices: &Prices,
-    accuracy: &Accuracy,
-) -> Result<Candidate, StudyError> {
-    let predicted = models.of(&settings)?;
-    let drift = models.drift(&settings)?;
-    let price = prices.of(&settings);
-    let mut candidate =
-        Candidate { settings, predicted, drift, price, worst: 0.0, limiting: "drift" };
-    for (key, target, _) in accuracy.asked() {
-        let worse = candidate.reach(key) / target;
-        // An unknown error is not a small error.
-        let worse = if worse.is_nan() { f64::INFINITY } else { worse };
-        if worse > candidate.worst {
-            (candidate.worst, candidate.limiting) = (worse, key);
+impl Search<'_> {
+    /// Looks through everything that the scene leaves open; `but` names a key that is taken as open too. `largest_step` bounds
+    /// dt beside the ceiling.
+    pub(super) fn choose(
+        &mut self,
+        accuracy: &Accuracy,
+        but: Option<&str>,
+        largest_step: f64,
+    ) -> Result<Choice, StudyError> {
+        let freedom = Freedom::of(self.scene, self.sample, self.stability, but);
+        let mut cheapest: Option<Candidate> = None;
+        let mut nearest: Option<Candidate> = None;
+        let shortest = freedom.steps.first().copied().unwrap_or(f64::NAN);
+        for settings in freedom.all(self.base) {
+            if settings.dt > largest_step && settings.dt > shortest {
+                continue;
+            }
+            let candidate = self.judge(settings, accuracy)?;
+            // Of equal prices, the smaller errors.
+            let better =
+                |than: &Candidate| (candidate.price, candidate.worst) < (than.price, than.worst);
+            if candidate.worst <= 1.0 && cheapest.as_ref().is_none_or(better) {
+                cheapest = Some(candidate.clone());
+            }
+            if nearest.as_ref().is_none_or(|c| candidate.worst < c.worst) {
+                nearest = Some(candidate);
+            }
         }
+        let nearest = nearest
+            .ok_or_else(|| StudyError::Nothing("no settings are left to choose among".into()))?;
+        Ok(Choice { cheapest, nearest })
     }
-    Ok(candidate)
+
+    /// What settings are expected to err and to cost.
+    fn judge(&mut self, settings: Settings, accuracy: &Accuracy) -> Result<Candidate, StudyError> {
+        let predicted = self.models.of(&settings)?;
+        let drift = self.models.drift(&settings)?;
+        let price = self.prices.of(&settings);
+        let mut candidate =
+            Candidate { settings, predicted, drift, price, worst: 0.0, limiting: "drift" };
+        for (key, target, _) in accuracy.asked() {
+            let worse = candidate.reach(key) / target;
+            // An unknown error is not a small error.
+            let worse = if worse.is_nan() { f64::INFINITY } else { worse };
+            if worse > candidate.worst {
+                (candidate.worst, candidate.limiting) = (worse, key);
+            }
+        }
+        Ok(candidate)
+    }
 }
 
 #[cfg(test)]

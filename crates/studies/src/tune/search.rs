@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use lennard_forcefield::{Precision, TruncationKind};
 use lennard_scene::{Accuracy, Judged, Scene};
 
-use super::advice::{self, Search};
-use super::choose::Candidate;
+use super::advice;
+use super::choose::{Candidate, Search, place_of};
 use super::finish::{FINAL_TIMING, fitting, list_and_threads};
 use super::predict::{Models, Stability};
 use super::prices::Prices;
@@ -57,26 +57,26 @@ pub fn tune(
     progress.update("looking for the longest stable step", 0.05 + SURVEY);
     let each = seconds(STABILITY) * options.threads as f64 / super::predict::RUNGS.len() as f64;
     let stability = Stability::measure(&sample, &survey, accuracy.drift, each)?;
-    let mut models = Models::new(&sample, &survey, &stability, full, seconds(STABILITY))?;
+    let models = Models::new(&sample, &survey, &stability, full, seconds(STABILITY))?;
     progress.update("timing cutoffs", 0.05 + SURVEY + STABILITY);
     let prices = Prices::measure(&sample, seconds(PRICES))?;
     let base =
         Settings { list: scene.neighbor.mode, skin: scene.neighbor.skin, ..sample.careful() };
-    let search =
-        Search { scene, sample: &sample, stability: &stability, prices: &prices, base: &base };
+    let mut search = Search {
+        scene,
+        sample: &sample,
+        survey: &survey,
+        stability: &stability,
+        prices: &prices,
+        base: &base,
+        accuracy,
+        models,
+    };
     let safest = safest(&sample, full);
     let mut notes = advice::notes(scene, &sample);
     progress.update("verifying", 0.05 + SURVEY + STABILITY + PRICES);
-    let verified = verified(
-        &search,
-        &survey,
-        &mut models,
-        &accuracy,
-        &safest,
-        seconds(VERIFICATION),
-        &mut notes,
-    )?;
-    let Verified { candidate, runs, measured } = verified;
+    let Verified { candidate, runs, measured } =
+        search.verified(&safest, seconds(VERIFICATION), &mut notes)?;
 
     progress.update("timing lists and threads", 0.93);
     let (settings, threads) =
@@ -95,14 +95,14 @@ pub fn tune(
         found.push(cost.map_err(|failed| StudyError::Nothing(failed.reason))?);
     }
     let usual_errors = match &usual {
-        Some(usual) => Some(models.of(usual)?.map(|p| p.total)),
+        Some(usual) => Some(search.models.of(usual)?.map(|p| p.total)),
         None => None,
     };
     let planned = advice::planned_errors(scene, &sample, &runs, settings.dt);
     let each = sample.fluid.unit();
     let rows = rows(&accuracy, &candidate, &measured, &runs, planned, each);
     let relaxed = advice::relaxed(&accuracy, planned);
-    let relaxed = search.choose(&mut models, &relaxed, None, f64::INFINITY)?.cheapest;
+    let relaxed = search.choose(&relaxed, None, f64::INFINITY)?.cheapest;
     notes.extend(advice::spending(&rows, relaxed.as_ref(), candidate.price));
     notes.extend(advice::cancelling(&candidate, &accuracy));
     notes.push(advice::beside_equation(scene, &runs));
@@ -144,72 +144,73 @@ struct Verified {
     measured: [Estimate; 2],
 }
 
-/// Chooses and runs, until prediction and measurement together keep every target.
-fn verified(
-    search: &Search<'_>,
-    survey: &Survey,
-    models: &mut Models<'_>,
-    accuracy: &Accuracy,
-    safest: &Settings,
-    seconds: f64,
-    notes: &mut Vec<String>,
-) -> Result<Verified, StudyError> {
-    let time =
-        |seconds: f64, settings: &Settings| seconds / (search.prices.of(settings) * survey.n_atoms);
-    let mut largest_step = f64::INFINITY;
-    let mut of_safest: Option<Runs> = None;
-    for trial in 1..=MOST_TRIALS {
-        let choice = search.choose(models, accuracy, None, largest_step)?;
-        let Some(candidate) = choice.cheapest else {
-            return Err(search.refusal(models, accuracy, &choice.nearest)?.into());
-        };
-        let settings = &candidate.settings;
-        let share = if trial == 1 { 1.0 - SAFEST_SHARE } else { LATER_SHARE };
-        let mut all = vec![(settings, time(share * seconds, settings))];
-        if of_safest.is_none() {
-            all.push((safest, time(SAFEST_SHARE * seconds, safest)));
-        }
-        let mut found = verify::runs(search.sample, survey, &all)?;
-        if found.len() > 1
-            && let Some(run) = found.pop()
-        {
-            of_safest = Some(run.map_err(|failed| StudyError::Nothing(failed.reason))?);
-        }
-        let (Some(of_chosen), Some(of_safest)) = (found.pop(), &of_safest) else {
-            return Err(StudyError::Nothing("nothing was run to verify".into()));
-        };
-        let runs = match of_chosen {
-            Ok(runs) => runs,
-            Err(failed) if trial < MOST_TRIALS => {
-                notes.push(format!("{}: {}", settings.label(), failed.reason));
-                largest_step = SHORTER * settings.dt;
-                continue;
+impl Search<'_> {
+    /// Chooses and runs, until prediction and measurement together keep every target.
+    fn verified(
+        &mut self,
+        safest: &Settings,
+        seconds: f64,
+        notes: &mut Vec<String>,
+    ) -> Result<Verified, StudyError> {
+        let (accuracy, prices, survey) = (self.accuracy, self.prices, self.survey);
+        let time =
+            |seconds: f64, settings: &Settings| seconds / (prices.of(settings) * survey.n_atoms);
+        let mut largest_step = f64::INFINITY;
+        let mut of_safest: Option<Runs> = None;
+        for trial in 1..=MOST_TRIALS {
+            let choice = self.choose(&accuracy, None, largest_step)?;
+            let Some(candidate) = choice.cheapest else {
+                return Err(self.refusal(&choice.nearest)?.into());
+            };
+            let settings = &candidate.settings;
+            let share = if trial == 1 { 1.0 - SAFEST_SHARE } else { LATER_SHARE };
+            let mut all = vec![(settings, time(share * seconds, settings))];
+            if of_safest.is_none() {
+                all.push((safest, time(SAFEST_SHARE * seconds, safest)));
             }
-            Err(failed) => return Err(StudyError::Nothing(failed.reason)),
-        };
-        let measured = verify::errors(&runs, of_safest, models, safest.dt);
-        let predicted = [0, 1].map(|i| candidate.predicted[i].total);
-        let both = [0, 1].map(|i| verify::weighted(predicted[i], measured[i]));
-        let missed = missed(accuracy, &both, Some(&runs.drift));
-        if missed.is_empty() || trial == MOST_TRIALS {
-            for key in missed {
-                notes.push(format!(
+            let mut found = verify::runs(self.sample, survey, &all)?;
+            if found.len() > 1
+                && let Some(run) = found.pop()
+            {
+                of_safest = Some(run.map_err(|failed| StudyError::Nothing(failed.reason))?);
+            }
+            let (Some(of_chosen), Some(of_safest)) = (found.pop(), &of_safest) else {
+                return Err(StudyError::Nothing("nothing was run to verify".into()));
+            };
+            let runs = match of_chosen {
+                Ok(runs) => runs,
+                Err(failed) if trial < MOST_TRIALS => {
+                    notes.push(format!("{}: {}", settings.label(), failed.reason));
+                    largest_step = SHORTER * settings.dt;
+                    continue;
+                }
+                Err(failed) => return Err(StudyError::Nothing(failed.reason)),
+            };
+            let measured = verify::errors(&runs, of_safest, &self.models, safest.dt);
+            let predicted = [0, 1].map(|i| candidate.predicted[i].total);
+            let both = [0, 1].map(|i| verify::weighted(predicted[i], measured[i]));
+            let missed = missed(&accuracy, &both, Some(&runs.drift));
+            if missed.is_empty() || trial == MOST_TRIALS {
+                for key in missed {
+                    notes.push(format!(
                     "prediction and measurement together put the error of `{key}` above its target: more --seconds would tell"
                 ));
+                }
+                return Ok(Verified { candidate, runs, measured });
             }
-            return Ok(Verified { candidate, runs, measured });
+            notes.push(format!(
+                "dropped after its run missed {}: {}",
+                missed.join(" and "),
+                settings.label()
+            ));
+            if missed.contains(&"drift") {
+                largest_step = SHORTER * settings.dt;
+            }
+            self.models
+                .learn(settings.truncation.r_cut, [0, 1].map(|i| both[i].mean - predicted[i].mean));
         }
-        notes.push(format!(
-            "dropped after its run missed {}: {}",
-            missed.join(" and "),
-            settings.label()
-        ));
-        if missed.contains(&"drift") {
-            largest_step = SHORTER * settings.dt;
-        }
-        models.learn(settings.truncation.r_cut, [0, 1].map(|i| both[i].mean - predicted[i].mean));
+        Err(StudyError::Nothing("no settings held when they were run".into()))
     }
-    Err(StudyError::Nothing("no settings held when they were run".into()))
 }
 
 /// The keys whose errors are above their targets: of U and P, and of a measured drift by two standard errors.
@@ -220,10 +221,9 @@ fn missed(
 ) -> Vec<&'static str> {
     let asked = accuracy.asked().into_iter();
     asked
-        .filter(|(key, target, _)| match *key {
-            "potential_energy" => errors[0].mean.abs() > *target,
-            "pressure" => errors[1].mean.abs() > *target,
-            _ => drift.is_some_and(|d| d.mean.abs() - 2.0 * d.standard_error > *target),
+        .filter(|(key, target, _)| match place_of(key) {
+            Some(i) => errors[i].mean.abs() > *target,
+            None => drift.is_some_and(|d| d.mean.abs() - 2.0 * d.standard_error > *target),
         })
         .map(|(key, ..)| key)
         .collect()
@@ -238,11 +238,7 @@ fn rows(
     each: &str,
 ) -> Vec<Row> {
     let row = |(key, target, unit): (&str, f64, &str)| {
-        let which = match key {
-            "potential_energy" => Some(0),
-            "pressure" => Some(1),
-            _ => None,
-        };
+        let which = place_of(key);
         let predicted = which.map_or((candidate.drift, 0.0), |i| {
             let total = candidate.predicted[i].total;
             (total.mean, total.standard_error)
