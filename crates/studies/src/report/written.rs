@@ -51,17 +51,13 @@ pub(crate) struct Given {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PageText {
+    #[serde(default)]
     title: String,
+    #[serde(default)]
     lead: String,
     figure: Vec<toml::Table>,
+    #[serde(default)]
     section: Vec<SectionText>,
-}
-
-/// A text that has figures alone.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FiguresText {
-    figure: Vec<toml::Table>,
 }
 
 /// A figure. Its words are filled in, apart from words that a row of its table gives.
@@ -177,7 +173,7 @@ pub(crate) fn pictures(
     tables: &dyn Fn(&str) -> Option<Table>,
     words: &[(String, String)],
 ) -> Result<Vec<Picture>, ReportError> {
-    let text: FiguresText = toml::from_str(text).map_err(|e| ReportError::Text(e.to_string()))?;
+    let text: PageText = toml::from_str(text).map_err(|e| ReportError::Text(e.to_string()))?;
     let mut pictures = Vec::new();
     for row in text.figure {
         pictures.extend(figures_of(row, words)?.iter().flat_map(|figure| figure.drawn(tables)));
