@@ -87,41 +87,29 @@ fn agreement(points: &[SweptPoint], quantity: &str) -> Option<Agreement> {
         .filter(|r| r.quantity == quantity)
         .filter(|r| r.verdict.is_judged())
         .collect();
-    let differences: Vec<f64> = rows.iter().filter_map(|r| r.difference).collect();
-    if differences.is_empty() {
-        return None;
-    }
-    let errors: Vec<(f64, f64)> = rows
-        .iter()
-        .map(|r| (r.combined_error.unwrap_or(f64::NAN), r.reference_error.unwrap_or(0.0)))
-        .collect();
-    let chi = |with_reference: bool| -> f64 {
-        differences
-            .iter()
-            .zip(&errors)
-            .map(|(d, (own, reference))| {
-                let error = if with_reference { own.hypot(*reference) } else { *own };
-                (d / error).powi(2)
-            })
-            .sum()
+    let off = |row: &&Row| Some((row.difference?, row.combined_error?, row.reference_error));
+    let off: Vec<(f64, f64, Option<f64>)> = rows.iter().filter_map(off).collect();
+    let n = off.len();
+    let largest = off.iter().map(|(difference, ..)| *difference);
+    let largest = largest.reduce(|a, b| if b.abs() > a.abs() { b } else { a })?;
+    let chi_squared = off.iter().map(|(d, own, _)| (d / own).powi(2)).sum();
+    let with_own = |(d, own, its_own): &(f64, f64, Option<f64>)| {
+        (d / own.hypot(its_own.unwrap_or(0.0))).powi(2)
     };
-    let (plain, with) = (chi(false), chi(true));
+    let with_reference = off.iter().map(with_own).sum();
     let count = |verdict: Verdict| rows.iter().filter(|r| r.verdict == verdict).count();
     Some(Agreement {
         quantity: quantity.to_owned(),
-        points: differences.len(),
+        points: n,
         agree: count(Verdict::Agrees),
         too_coarse: count(Verdict::TooCoarse),
-        mean_difference: differences.iter().sum::<f64>() / differences.len() as f64,
-        largest_difference: differences
-            .iter()
-            .copied()
-            .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a }),
-        largest_standard_error: errors.iter().map(|(own, _)| *own).fold(0.0, f64::max),
-        chi_squared: plain,
-        p_value: tail_probability(plain, differences.len()),
-        chi_squared_with_reference: with,
-        p_value_with_reference: tail_probability(with, differences.len()),
+        mean_difference: off.iter().map(|(difference, ..)| difference).sum::<f64>() / n as f64,
+        largest_difference: largest,
+        largest_standard_error: off.iter().map(|(_, own, _)| *own).fold(0.0, f64::max),
+        chi_squared,
+        p_value: tail_probability(chi_squared, n),
+        chi_squared_with_reference: with_reference,
+        p_value_with_reference: tail_probability(with_reference, n),
     })
 }
 

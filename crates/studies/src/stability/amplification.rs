@@ -130,37 +130,31 @@ fn bounded(entry: &IntegratorEntry, omega_h: f64, steps: u32) -> Result<bool, St
 /// bisection over runs finds it. It is 0 where even the smallest ωh is unstable.
 fn measured_limit(entry: &IntegratorEntry) -> Result<Option<f64>, StudyError> {
     let steady = |x| Ok(measured_map(entry, x, 1.0)?.radius() < 1.0 + RADIUS_ROUNDING);
-    let Some(found) = first_failure(steady)? else {
-        return Ok(None);
-    };
-    let is_bounded = |x| bounded(entry, x, BISECTION_STEPS);
-    try_bisect(found[0], found[1], HALVINGS, is_bounded).map(middle).map(Some)
+    first_failure(steady, |x| bounded(entry, x, BISECTION_STEPS))
 }
 
 /// The first ωh at which the spectral radius of the declared map is above 1.
 fn theory_limit(entry: &IntegratorEntry) -> Option<f64> {
     let radius = |x| theory(entry, x).radius();
     let steady = |x| Ok(radius(x).is_nan() || radius(x) < 1.0 + RADIUS_ROUNDING);
-    let found = first_failure(steady).ok().flatten()?;
-    try_bisect(found[0], found[1], HALVINGS, steady).ok().map(middle)
+    first_failure(steady, steady).ok().flatten()
 }
 
-fn middle([good, bad]: [f64; 2]) -> f64 {
-    0.5 * (good + bad)
-}
-
-/// The first interval of the search whose upper end is unsteady; [0, 0] where the smallest ωh is.
+/// The middle of what bisection leaves of the first interval of the search whose upper end is unsteady; 0 where the
+/// smallest ωh is.
 fn first_failure(
     steady: impl Fn(f64) -> Result<bool, StudyError>,
-) -> Result<Option<[f64; 2]>, StudyError> {
+    holds: impl Fn(f64) -> Result<bool, StudyError>,
+) -> Result<Option<f64>, StudyError> {
     if !steady(SMALLEST_OMEGA_H)? {
-        return Ok(Some([0.0; 2]));
+        return Ok(Some(0.0));
     }
     let first = (SMALLEST_OMEGA_H / SEARCH_STRIDE).round() as u32 + 1;
     for i in first..=(LARGEST_OMEGA_H / SEARCH_STRIDE) as u32 {
         let x = f64::from(i) * SEARCH_STRIDE;
         if !steady(x)? {
-            return Ok(Some([x - SEARCH_STRIDE, x]));
+            let [good, bad] = try_bisect(x - SEARCH_STRIDE, x, HALVINGS, holds)?;
+            return Ok(Some(0.5 * (good + bad)));
         }
     }
     Ok(None)
