@@ -120,12 +120,21 @@ impl Drawn for Table {
     }
 }
 
-/// A text with words in the place of their names in braces.
+/// A text with words in the place of their names in braces. Other braces stay, and so do braces in a word.
 pub(crate) fn filled<N: AsRef<str>>(text: &str, words: &[(N, String)]) -> String {
-    let fill = |text: String, (name, word): &(N, String)| {
-        text.replace(&format!("{{{}}}", name.as_ref()), word)
-    };
-    words.iter().fold(text.to_owned(), fill)
+    let mut parts = text.split('{');
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let word = part.split_once('}').and_then(|(name, rest)| {
+            let (_, word) = words.iter().find(|(known, _)| known.as_ref() == name)?;
+            Some([word, rest])
+        });
+        match word {
+            Some(word) => filled += &word.concat(),
+            None => filled.extend(["{", part]),
+        }
+    }
+    filled
 }
 
 /// Fills in the words in all texts of a value.

@@ -4,7 +4,9 @@ use lennard_observables::Table;
 use lennard_observables::quantities::{QUANTITIES, axis};
 
 use crate::compare::{HANSEN_VERLET, RunFolder, capital};
-use crate::report::{Drawing, Guide, Picture, ReportError, pictures, significant, with_error};
+use crate::report::{
+    Drawing, Guide, Picture, ReportError, filled, pictures, significant, with_error,
+};
 
 const TEXT: &str = include_str!("figures.toml");
 
@@ -84,7 +86,7 @@ fn words(run: &RunFolder, is_fluid: bool) -> Vec<(String, String)> {
         let unit = run.average(name).map(|average| average.unit.as_str());
         let said = unit.map(|unit| format!("Plateau {{mean of {name}}} {unit}."));
         let said = said.unwrap_or_else(|| "No plateau was found.".to_owned());
-        words.insert(0, (format!("plateau of {name}"), said));
+        words.push((format!("plateau of {name}"), filled(&said, &words)));
     }
     for blocking in BLOCKING {
         let line = match printed_error(run, blocking) {

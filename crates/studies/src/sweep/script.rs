@@ -1,11 +1,16 @@
 //! Scripts that give the points of a sweep to a scheduler.
 
-use std::fmt::Write as _;
 use std::time::Duration;
 
 use lennard_io::in_shell;
 
 use super::Plan;
+use crate::report::filled;
+
+/// The texts of the scripts, with words in braces.
+const SLURM: &str = include_str!("slurm.sh");
+const PARALLEL: &str = include_str!("parallel.sh");
+const SNAKEFILE: &str = include_str!("snakefile");
 
 /// Seconds between the signal of Slurm and the end of a task: time for a checkpoint.
 const WARNED: u64 = 120;
@@ -44,96 +49,44 @@ impl Script<'_> {
     /// The text of the script.
     #[must_use]
     pub fn text(&self, scheduler: Scheduler) -> String {
-        match scheduler {
-            Scheduler::Slurm => self.slurm(),
-            Scheduler::Parallel => self.parallel(),
-            Scheduler::Snakemake => self.snakemake(),
-        }
-    }
-
-    /// The number of the last task.
-    fn last(&self) -> usize {
-        (self.plan.points.len() - 1) / self.chunk
-    }
-
-    /// The command of one task, with number and threads as the scheduler writes them.
-    fn task(&self, command: &str, number: &str, threads: &str) -> String {
-        let mut task = format!("{command} --quiet --threads {threads} --point {number}");
-        if self.chunk > 1 {
-            let _ = write!(task, " --chunk {}", self.chunk);
-        }
-        task
-    }
-
-    /// A first line about the points and tasks.
-    fn about(&self) -> String {
-        let (points, tasks) = (self.plan.points.len(), self.last() + 1);
-        format!("# The sweep {}: {points} points in {tasks} tasks.", self.plan.name)
-    }
-
-    fn slurm(&self) -> String {
+        // Number and threads of a task stand as the scheduler writes them.
+        let threads = self.threads.to_string();
+        let (text, number, threads_of_task) = match scheduler {
+            Scheduler::Slurm => (SLURM, "\"$SLURM_ARRAY_TASK_ID\"", "\"$SLURM_CPUS_PER_TASK\""),
+            Scheduler::Parallel => (PARALLEL, "\"$1\"", &*threads),
+            Scheduler::Snakemake => (SNAKEFILE, "{wildcards.task}", "{threads}"),
+        };
+        let command = match scheduler {
+            // Snakemake takes what stands in braces for a name of its own.
+            Scheduler::Snakemake => self.command.replace('{', "{{").replace('}', "}}"),
+            Scheduler::Slurm | Scheduler::Parallel => self.command.clone(),
+        };
+        let chunk = match self.chunk {
+            1 => String::new(),
+            chunk => format!(" --chunk {chunk}"),
+        };
+        let task = format!("{command} --quiet --threads {threads_of_task} --point {number}{chunk}");
+        let collect = format!("{command} --collect");
+        let points = self.plan.points.len();
+        let last = (points - 1) / self.chunk;
         let seconds = self.time.unwrap_or(DAY).as_secs().max(WARNED + 60);
-        let (hours, minutes) = (seconds / 3600, seconds % 3600 / 60);
-        format!(
-            "#!/bin/bash\n{about}\n\
-             #   job=$(sbatch --parsable THIS_FILE)\n\
-             #   sbatch --dependency=afterany:$job --wrap {collect}\n\
-             # A task that runs out of time leaves a checkpoint: submit the file again, and it goes on.\n\
-             #SBATCH --job-name={name}\n\
-             #SBATCH --array=0-{last}\n\
-             #SBATCH --cpus-per-task={threads}\n\
-             #SBATCH --time={hours:02}:{minutes:02}:00\n\
-             #SBATCH --requeue\n\
-             #SBATCH --open-mode=append\n\
-             #SBATCH --signal=B:TERM@{WARNED}\n\
-             exec {task}\n",
-            about = self.about(),
-            collect = in_shell(&format!("{} --collect", self.command)),
-            name = self.plan.name,
-            last = self.last(),
-            threads = self.threads,
-            task = self.task(&self.command, "\"$SLURM_ARRAY_TASK_ID\"", "\"$SLURM_CPUS_PER_TASK\""),
-        )
-    }
-
-    fn parallel(&self) -> String {
-        format!(
-            "#!/bin/bash\n{about}\n\
-             # With --sshloginfile NODES --workdir . the tasks run on many machines that share this folder.\n\
-             task() {{ {task}; }}\n\
-             export -f task\n\
-             seq 0 {last} | parallel --line-buffer --env task task\n\
-             {command} --collect\n",
-            about = self.about(),
-            last = self.last(),
-            task = self.task(&self.command, "\"$1\"", &self.threads.to_string()),
-            command = self.command,
-        )
-    }
-
-    fn snakemake(&self) -> String {
-        // Snakemake takes what stands in braces for a name of its own.
-        let command = self.command.replace('{', "{{").replace('}', "}}");
-        let marker = format!("{}/.tasks/{{task}}", self.folder);
-        format!(
-            "{about}\n\
-             # snakemake --cores all --snakefile THIS_FILE\n\n\
-             rule collect:\n    \
-                 input: expand({marker}, task=range({tasks}))\n    \
-                 output: {table}\n    \
-                 shell: {collect}\n\n\
-             rule task:\n    \
-                 output: touch({marker})\n    \
-                 threads: {threads}\n    \
-                 shell: {task}\n",
-            about = self.about(),
-            marker = in_python(&marker),
-            table = in_python(&format!("{}/table.csv", self.folder)),
-            collect = in_python(&format!("{command} --collect")),
-            tasks = self.last() + 1,
-            threads = self.threads,
-            task = in_python(&self.task(&command, "{wildcards.task}", "{threads}")),
-        )
+        let words = [
+            ("name", self.plan.name.to_string()),
+            ("points", points.to_string()),
+            ("tasks", (last + 1).to_string()),
+            ("last", last.to_string()),
+            ("threads", threads.clone()),
+            ("time", format!("{:02}:{:02}:00", seconds / 3600, seconds % 3600 / 60)),
+            ("warned", WARNED.to_string()),
+            ("marker", in_python(&format!("{}/.tasks/{{task}}", self.folder))),
+            ("table", in_python(&format!("{}/table.csv", self.folder))),
+            ("task in python", in_python(&task)),
+            ("task", task),
+            ("collect in python", in_python(&collect)),
+            ("collect in a shell", in_shell(&collect)),
+            ("collect", collect),
+        ];
+        filled(text, &words)
     }
 }
 
