@@ -588,29 +588,15 @@ mod tests {
             assert!(error.starts_with("the text of the page: ") && error.contains(said), "{error}");
         }
     }
-}
-
-#[cfg(test)]
-mod tests_of_row {
-    use super::*;
-    use crate::report::Drawing;
-
-    fn table() -> Table {
-        let rows = [("a", 1.0, 2.0), ("b", 1.0, 3.0), ("a", 2.0, 4.0), ("b", 2.0, f64::NAN)];
-        Table::rows_of("t", &rows)
-            .column("way", |r| r.0)
-            .column("x [σ]", |r| r.1)
-            .column("y", |r| r.2)
-            .table()
-    }
 
     fn drawn(series: &str) -> Option<Figure> {
         let text = format!(
-            "[[figure]]\nname = \"f\"\ntitle = \"\"\ntable = \"t\"\nx = {{ label = \"\" }}\n\
-             y = {{ label = \"\" }}\nseries = [{{ x = \"x\", {series} }}]\ncaption = [\"Of {{n}}\", \"all\"]"
+            "[[figure]]\nof = [\"dt\"]\nname = \"f\"\ntitle = \"\"\ntable = \"runs\"\nx = {{ label = \"\" }}\n\
+             y = {{ label = \"\" }}\nseries = [{{ x = \"{{of}}\", {series} }}]\ncaption = [\"Of {{n}}\", \"all\"]"
         );
-        let picture = pictures(&text, &|name| (name == "t").then(table), &[]).unwrap().pop()?;
-        assert_eq!((picture.data.as_str(), picture.caption.as_str()), ("t.csv", "all"));
+        let picture =
+            pictures(&text, &|name| given().table(name).ok().cloned(), &[]).unwrap().pop()?;
+        assert_eq!((picture.data.as_str(), picture.caption.as_str()), ("runs.csv", "all"));
         match picture.drawing {
             Drawing::Plot(figure) => Some(figure),
             _ => None,
@@ -620,11 +606,11 @@ mod tests_of_row {
     #[test]
     fn a_column_divides_the_rows_into_series_and_what_is_no_number_is_left_out() {
         let figure =
-            drawn("y = \"y\", look = \"joined\", by = \"way\", name = \"way {}\"").unwrap();
+            drawn("y = \"E\", look = \"joined\", by = \"case\", name = \"case {}\"").unwrap();
         let series = |k: usize| (figure.series[k].name.as_str(), figure.series[k].points.len());
-        assert_eq!([series(0), series(1)], [("way a", 2), ("way b", 1)]);
+        assert_eq!([series(0), series(1)], [("case a", 1), ("case b", 2)]);
         assert_ne!(figure.series[0].color, figure.series[1].color);
-        let one = drawn("y = \"y\", look = \"marks\", at = 3").unwrap();
+        let one = drawn("y = \"E\", look = \"marks\", at = 3").unwrap();
         assert_eq!((one.series.len(), one.series[0].points.len(), one.series[0].color), (1, 3, 3));
         assert!(drawn("y = \"z\", look = \"line\"").is_none());
     }
