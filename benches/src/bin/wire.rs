@@ -117,7 +117,7 @@ impl Wire for Slow {
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
         let Network { latency, per_byte, overlaps } = self.network;
-        let bytes = incoming.iter().map(|parcel| 24 * parcel.vectors.len()).sum::<usize>() as f64;
+        let bytes = incoming.iter().map(|parcel| 4 * parcel.words.len()).sum::<usize>() as f64;
         let seconds = latency + bytes * per_byte;
         if !overlaps {
             wait(Instant::now(), seconds);

@@ -21,13 +21,13 @@ use crate::parallel::equal_parts;
 
 pub use testing::team_of_threads;
 
-/// Vectors for a rank, or from one.
+/// Words for a rank, or from one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parcel {
     /// The other rank.
     pub rank: usize,
-    /// What goes there, or came from there, by components.
-    pub vectors: Vec<[f64; 3]>,
+    /// What goes there, or came from there.
+    pub words: Vec<u32>,
 }
 
 /// Messages between ranks. Every rank calls the same functions in the same order, from one thread at a time.
@@ -49,7 +49,7 @@ pub trait Wire: Send + Sync {
     /// Gives the `k`th list of words to rank `k`; returns the lists that the ranks gave to this one.
     fn trade(&self, words: Vec<Vec<u64>>) -> Vec<Vec<u64>>;
 
-    /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
+    /// Sends words to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut());
 
     /// Moves messages of an exchange on. Work beside the exchange calls it often, from any thread; it acts on the thread that
@@ -176,7 +176,7 @@ impl Team {
         self.timed(|wire| wire.trade(words))
     }
 
-    /// Sends vectors to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
+    /// Sends words to other ranks, does some work, and fills `incoming`, whose parcels have their final lengths.
     pub fn exchange(
         &self,
         outgoing: &[Parcel],
@@ -232,8 +232,6 @@ impl Team {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::exact::{exact_sum, exact_sum_over};
 
@@ -264,7 +262,6 @@ mod tests {
 
     #[test]
     fn halos_arrive_while_work_is_done() {
-        let whole: Vec<DVec3> = (0..10).map(|k| DVec3::splat(f64::from(k))).collect();
         for ranks in 1..5 {
             team_of_threads(ranks, |team| {
                 let shares = team.shares(10);
@@ -278,17 +275,16 @@ mod tests {
                 let given = team.trade(wants.collect());
                 let parcel = |rank: usize| Parcel {
                     rank,
-                    vectors: given[rank].iter().map(|k| whole[*k as usize].to_array()).collect(),
+                    words: given[rank].iter().map(|k| *k as u32).collect(),
                 };
                 let outgoing: Vec<Parcel> = others().map(parcel).collect();
-                let empty = |rank| Parcel { rank, vectors: vec![[f64::NAN; 3]; 1] };
+                let empty = |rank| Parcel { rank, words: vec![u32::MAX] };
                 let mut incoming: Vec<Parcel> = others().map(empty).collect();
                 let mut worked = 0;
                 team.exchange(&outgoing, &mut incoming, &mut || worked += 1);
                 assert_eq!(worked, 1);
                 for parcel in incoming {
-                    let expected = whole[shares[parcel.rank].start].to_array();
-                    assert_eq!(parcel.vectors, [expected]);
+                    assert_eq!(parcel.words, [shares[parcel.rank].start as u32]);
                 }
             });
         }

@@ -100,6 +100,7 @@ pub fn plan(
     let foreseen = simulation.foreseen();
     let particles = simulation.state.len();
     let r_list = provider.plan().r_list;
+    let coordinate_bytes = if provider.plan().kernel == "cluster" { 12.0 } else { 24.0 };
     let most = provider.most_ranks(&simulation.state.cell);
     if let Some(Network { ranks, .. }) = network {
         scene.check_for_ranks()?;
@@ -127,6 +128,7 @@ pub fn plan(
         lengths: simulation.state.cell.lengths(),
         r_list,
         core_seconds,
+        coordinate_bytes,
         building: costs.building,
         builds: costs.builds,
         rows: 1.0 / scene.output.thermo_every as f64,

@@ -52,17 +52,16 @@ impl FusedBuffers {
         24 * vectors + self.parts.capacity() * size_of::<PartSum>()
     }
 
-    /// The arrays of some steps, in this room and in the room of forces, which the caller lends. On a rank, `part` has the number of
-    /// its slots, and of the own ones.
+    /// The arrays of some steps, in this room and in the room of forces, which the caller lends. A rank gives its number of own slots.
     fn by_slot<'a>(
         &'a mut self,
         lent: &'a mut [DVec3],
-        part: Option<[usize; 2]>,
+        part: Option<usize>,
         [keeps_forces, reads_while_it_writes]: [bool; 2],
     ) -> BySlot<'a> {
-        let [n, own] = part.unwrap_or([lent.len(); 2]);
+        let n = part.unwrap_or(lent.len());
         let room = |wanted: bool| if wanted { n } else { 0 };
-        self.velocities.resize(own, DVec3::ZERO);
+        self.velocities.resize(n, DVec3::ZERO);
         self.next.resize(room(reads_while_it_writes), DVec3::ZERO);
         self.positions.resize(room(keeps_forces), DVec3::ZERO);
         self.room.resize(room(part.is_some()), DVec3::ZERO);
@@ -82,16 +81,9 @@ impl FusedBuffers {
     /// Gives the own particles of a rank away ahead of a build, with the room that they lay in.
     fn give<P: PairList>(&mut self, list: &P, keeps_forces: bool) -> Particles {
         let positions = if keeps_forces { &mut self.positions } else { &mut self.room };
-        let [mut positions, mut velocities] = [positions, &mut self.velocities].map(mem::take);
-        let own = list.own();
-        positions.truncate(own);
-        velocities.truncate(own);
-        Particles {
-            move_on: true,
-            numbers: list.particles()[..own].to_vec(),
-            positions,
-            velocities,
-        }
+        let [positions, velocities] = [positions, &mut self.velocities].map(mem::take);
+        let numbers = list.particles()[..list.own()].to_vec();
+        Particles { move_on: true, numbers, positions, velocities }
     }
 
     /// Takes steps, and builds the list wherever it expires. Returns the number of steps taken.
@@ -116,10 +108,8 @@ impl FusedBuffers {
         let lent = mem::take(&mut steps.forces);
         let keeps_forces = steps.bath.as_ref().is_some_and(|bath| bath.next_noise().is_none());
         let kinds = [keeps_forces, are_few(list.whole())];
-        let slots = |validity: &ListValidity, list: &P| {
-            validity.part.as_ref().map(|_| [validity.built.len(), list.own()])
-        };
-        let mut particles = self.by_slot(lent, slots(validity, list), kinds);
+        let is_part = validity.part.is_some();
+        let mut particles = self.by_slot(lent, is_part.then(|| list.own()), kinds);
         particles.gather(list, steps, validity.part.as_ref());
         let (mut taken, mut is_new, mut prepared) = (0, false, Prepared::Nothing);
         loop {
@@ -178,17 +168,22 @@ impl FusedBuffers {
                 }
                 ListStatus::Expired | ListStatus::Incomplete(_) => {
                     assert!(done > 0 || !is_new, "a new list is complete");
-                    if validity.part.is_some() {
+                    if is_part {
                         let mut settling = self.give(list, keeps_forces);
                         let into = (&mut *list, copies.rows());
                         let given = Given::OfRank(&mut settling);
-                        if clock.building(|| validity.build(into, cell, given)).is_err() {
-                            return 0;
-                        }
-                        // A rank has another number of slots now.
+                        let built = clock.building(|| validity.build(into, cell, given));
+                        // A rank has another number of own slots now, or keeps what it gave.
                         self.velocities = settling.velocities;
-                        particles = self.by_slot(lent, slots(validity, list), kinds);
-                        particles.positions.copy_from_slice(&validity.built);
+                        particles = self.by_slot(lent, Some(list.own()), kinds);
+                        let positions = match &built {
+                            Ok(()) => &validity.built[..list.own()],
+                            Err(_) => &settling.positions,
+                        };
+                        particles.positions.copy_from_slice(positions);
+                        if built.is_err() {
+                            break;
+                        }
                     } else {
                         let built = clock.building(|| {
                             let given = Given::All(Positions::BySlot(particles.positions));

@@ -20,7 +20,6 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
-use lennard_core::parallel::{for_each_piece, for_each_range};
 use lennard_core::{Parcel, SpeedLimit, Team};
 use lennard_neighbor::{Beyond, Columns, PairList, Partners, SMALLEST_CUT};
 
@@ -28,7 +27,7 @@ use crate::simd::{MotionSummary, SomeRows};
 
 pub use self::movers::Settled;
 
-use self::halo::Halo;
+use self::halo::{Halo, Mail};
 use self::route::Route;
 
 /// What one rank has of a system that several share.
@@ -146,49 +145,23 @@ impl Part {
         self.buffers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The mail of a step, with so many words for each particle.
+    pub fn mail(&self, words: usize) -> Mail<'_> {
+        let mut buffers = self.buffers();
+        let [outgoing, incoming] = &mut *buffers;
+        Halo::address(&self.near.given, words, outgoing);
+        Halo::address(&self.near.wanted, words, incoming);
+        Mail { halo: &self.near, team: &self.team, words, buffers }
+    }
+
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
         let buffers = self.buffers();
-        let vectors: usize = buffers.iter().flatten().map(|p| p.vectors.capacity()).sum();
+        let sent: usize = buffers.iter().flatten().map(|p| p.words.capacity()).sum();
         let route = self.route.lock().unwrap_or_else(PoisonError::into_inner);
         let route = route.as_ref().map_or(0, Route::bytes);
         let chunks: usize = self.inner_and_outer.iter().map(Vec::capacity).sum();
-        let words = chunks + self.halo_ranks.capacity();
-        self.near.bytes() + 24 * vectors + route + 4 * words
-    }
-
-    /// Fetches the positions of the halo while `meanwhile` works. `position` gives the position at an own slot, and `put` takes
-    /// the position at a slot of the halo; each slot comes once.
-    pub fn fetch(
-        &self,
-        position: impl Fn(u32) -> DVec3 + Sync,
-        meanwhile: &mut dyn FnMut(),
-        put: impl Fn(u32, DVec3) + Sync,
-    ) {
-        let Halo { given, wanted } = &self.near;
-        let mut buffers = self.buffers();
-        let [outgoing, incoming] = &mut *buffers;
-        Halo::address(given, outgoing);
-        Halo::address(wanted, incoming);
-        for Parcel { rank, vectors } in &mut *outgoing {
-            for_each_piece(vectors, |first, vectors| {
-                let slots = &given[*rank][first..];
-                vectors
-                    .iter_mut()
-                    .zip(slots)
-                    .for_each(|(to, slot)| *to = position(*slot).to_array());
-            });
-        }
-        self.team.exchange(outgoing, incoming, meanwhile);
-        for Parcel { rank, vectors } in &*incoming {
-            for_each_range(vectors.len(), |range| {
-                let slots = &wanted[*rank][range.clone()];
-                slots
-                    .iter()
-                    .zip(&vectors[range])
-                    .for_each(|(slot, r)| put(*slot, DVec3::from_array(*r)));
-            });
-        }
+        self.near.bytes() + route + 4 * (sent + chunks + self.halo_ranks.capacity())
     }
 
     /// Takes vectors by number to the own slots, which `to` begins with.

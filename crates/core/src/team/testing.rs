@@ -9,7 +9,7 @@ use super::{Parcel, Team, Wire};
 /// A message between two ranks.
 enum Message {
     Words(Vec<u64>),
-    Vectors(Vec<[f64; 3]>),
+    ShortWords(Vec<u32>),
 }
 
 /// One rank: its ends of the channels, by the other rank.
@@ -66,13 +66,15 @@ impl Channels {
     fn words(&self, from: usize) -> Vec<u64> {
         match self.receive(from) {
             Message::Words(words) => words,
-            Message::Vectors(_) => unreachable!("ranks call the same functions in the same order"),
+            Message::ShortWords(_) => {
+                unreachable!("ranks call the same functions in the same order")
+            }
         }
     }
 
-    fn vectors(&self, from: usize) -> Vec<[f64; 3]> {
+    fn short_words(&self, from: usize) -> Vec<u32> {
         match self.receive(from) {
-            Message::Vectors(vectors) => vectors,
+            Message::ShortWords(words) => words,
             Message::Words(_) => unreachable!("ranks call the same functions in the same order"),
         }
     }
@@ -125,11 +127,11 @@ impl Wire for Channels {
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
         for parcel in outgoing {
-            self.send(parcel.rank, Message::Vectors(parcel.vectors.clone()));
+            self.send(parcel.rank, Message::ShortWords(parcel.words.clone()));
         }
         meanwhile();
         for parcel in incoming {
-            parcel.vectors.copy_from_slice(&self.vectors(parcel.rank));
+            parcel.words.copy_from_slice(&self.short_words(parcel.rank));
         }
     }
 }

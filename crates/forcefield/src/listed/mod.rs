@@ -168,7 +168,7 @@ impl<P: PackedList> Listed<P> {
         let (status, totals) = clock.computing(|clock| {
             let mut request = Request::of(detail);
             let mut is_new = false;
-            // On ranks, positions by slot.
+            // On ranks, positions at own slots.
             let mut by_slot = Vec::new();
             loop {
                 if !self.validity.may_be_valid::<P>(at.cell, at.positions.len()) {
@@ -185,12 +185,13 @@ impl<P: PackedList> Listed<P> {
                     }
                     (None, Some(part)) => {
                         if request.prepared == Prepared::Nothing {
-                            by_slot.clone_from(&self.validity.built);
+                            by_slot.clear();
+                            by_slot.extend_from_slice(&self.validity.built[..self.list.own()]);
                             if !is_new {
                                 part.to_slots(&self.list, at.positions, &mut by_slot);
                             }
                         }
-                        let given = (&mut by_slot[..], request);
+                        let given = (&by_slot[..], request);
                         used.evaluate_part(part, &mut self.packed, given, forces, each)
                     }
                 };

@@ -11,8 +11,8 @@ use glam::DVec3;
 use lennard_core::PeriodicBox;
 use lennard_neighbor::PairList;
 
+use super::Part;
 use super::settle::{push, vector};
-use super::{Part, runs_of};
 
 /// Far movers in the halo of a rank, by ascending slot.
 pub struct FarMovers(Vec<FarMover>);
@@ -114,7 +114,7 @@ impl Part {
         FarMovers(movers)
     }
 
-    /// The pairs of slots that lists of this rank lack, in the order of the whole, and the pairs that cross its face for the first time.
+    /// The pairs of slots that lists of this rank lack, or that cross its face for the first time. They have the order of the whole.
     /// Some were `found` here, with far movers of the halo among them. Other ranks tell those that they found with far movers of
     /// this one. All ranks do it together.
     ///
@@ -173,7 +173,6 @@ impl Part {
                 outer.insert(outer.partition_point(|other| *other < chunk), chunk);
             }
         }
-        self.rows[1].slots = runs_of(self.near.slots());
     }
 
     /// The pairs of particles that were inserted since the build, on all ranks, in their order.

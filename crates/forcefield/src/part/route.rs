@@ -3,6 +3,8 @@
 use glam::DVec3;
 use lennard_core::{Parcel, Team};
 
+use crate::simd::{vector_of, words_of};
+
 /// Where the particles of this rank by place have their numbers, and where those by number have their places.
 pub struct Route {
     /// For each rank, the own slots of the particles whose numbers it keeps, by ascending number.
@@ -61,19 +63,22 @@ fn go(
     for (give, take) in given[me].iter().zip(&taken[me]) {
         to[*take as usize] = from[*give as usize];
     }
-    let others = |lists: &[Vec<u32>], vector: &dyn Fn(u32) -> [f64; 3]| -> Vec<Parcel> {
+    let others = |lists: &[Vec<u32>], words: &dyn Fn(u32) -> [u32; 6]| -> Vec<Parcel> {
         let lists = lists.iter().enumerate();
         let lists = lists.filter(|(rank, list)| *rank != me && !list.is_empty());
         lists
-            .map(|(rank, list)| Parcel { rank, vectors: list.iter().map(|k| vector(*k)).collect() })
+            .map(|(rank, list)| Parcel {
+                rank,
+                words: list.iter().flat_map(|k| words(*k)).collect(),
+            })
             .collect()
     };
-    let outgoing = others(given, &|k| from[k as usize].to_array());
-    let mut incoming = others(taken, &|_| [0.0; 3]);
+    let outgoing = others(given, &|k| words_of(from[k as usize]));
+    let mut incoming = others(taken, &|_| [0; 6]);
     team.exchange(&outgoing, &mut incoming, &mut || {});
     for parcel in incoming {
-        for (take, vector) in taken[parcel.rank].iter().zip(parcel.vectors) {
-            to[*take as usize] = DVec3::from_array(vector);
+        for (take, words) in taken[parcel.rank].iter().zip(parcel.words.chunks_exact(6)) {
+            to[*take as usize] = vector_of(words);
         }
     }
 }

@@ -244,7 +244,7 @@ impl Part {
         };
         self.rows = [
             RowRuns { slots: runs_of(0..own), ghosts: ghosts(true) },
-            RowRuns { slots: runs_of(self.near.slots()), ghosts: ghosts(false) },
+            RowRuns { slots: Vec::new(), ghosts: ghosts(false) },
         ];
         self.partners = Partners::new(list.cells(), 0..own as u32);
     }

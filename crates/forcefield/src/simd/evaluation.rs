@@ -2,9 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::disjoint::Disjoint;
 use super::fused::NextRows;
-use super::list_in_use::{Fetch, ListInUse, ListStatus, Ordered};
+use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::output::Output;
 use super::packed::{Outcome, PackedCopies, Pass, Request};
 use super::packed_list::PackedList;
@@ -23,16 +22,16 @@ impl<P: PackedList> ListInUse<'_, P> {
     ) -> (ListStatus, Totals) {
         let order = self.list.particles();
         let at = || Ordered::of(positions, order);
-        let outcome = self.pass(copies, request, Output::new(forces, each, order, 0), &at, None);
+        let outcome = self.pass(copies, request, Output::new(forces, each, order, 0), &at);
         outcome.summed(request.detail, None)
     }
 
-    /// As [`ListInUse::evaluate`], on a rank: `positions` are by slot, and forces (and `each`) by number.
+    /// As [`ListInUse::evaluate`], on a rank: `positions` are at own slots, and forces (and `each`) by number.
     pub fn evaluate_part(
         &self,
         part: &Part,
         copies: &mut PackedCopies<P::Row>,
-        (positions, request): (&mut [DVec3], Request),
+        (positions, request): (&[DVec3], Request),
         forces: &mut [DVec3],
         each: Option<&mut [PerParticle]>,
     ) -> (ListStatus, Totals) {
@@ -40,18 +39,10 @@ impl<P: PackedList> ListInUse<'_, P> {
         let numbers: Vec<u32> = (0..own as u32).collect();
         let mut by_slot = vec![DVec3::ZERO; own];
         let mut each_by_slot = vec![(0.0, DMat3::ZERO); each.as_ref().map_or(0, |_| own)];
-        let positions = Disjoint::new(positions);
-        // SAFETY: no chunk writes positions, and the halo is put when no chunk runs.
-        let at = || Ordered::by_slot(unsafe { positions.all() });
-        let fetch = |meanwhile: &mut dyn FnMut()| {
-            let position = |slot: u32| at().positions[slot as usize];
-            // SAFETY: as above; each slot comes once.
-            let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
-            part.fetch(position, meanwhile, put);
-        };
+        let at = || Ordered::by_slot(positions);
         let entries = each.is_some().then_some(&mut each_by_slot[..]);
         let output = Output::new(&mut by_slot, entries, &numbers, 0);
-        let mut outcome = self.pass(copies, request, output, &at, Some(&fetch));
+        let mut outcome = self.pass(copies, request, output, &at);
         if outcome.status == ListStatus::Complete {
             part.to_numbers(self.list, &by_slot, forces);
             if let Some(each) = each {
@@ -69,14 +60,13 @@ impl<P: PackedList> ListInUse<'_, P> {
         request: Request,
         output: Output<'_>,
         at: &(dyn Fn() -> Ordered<'p> + Sync),
-        fetch: Option<&Fetch<'_>>,
     ) -> Outcome {
         let over_list = self.pairwise.over(self.list, self.cell);
         // SAFETY: a pass runs each chunk once.
         let run = |rows: &[P::Row], _: Option<&NextRows<'_, P::Row>>, chunk: usize| unsafe {
             over_list.run(self.level, rows, chunk, request.detail, &output)
         };
-        copies.run(&Pass { used: self, request, at, run: &run, fetch })
+        copies.run(&Pass { used: self, request, at, run: &run })
     }
 
     /// Takes entries by slot to their numbers: an energy and nine components in four vectors.

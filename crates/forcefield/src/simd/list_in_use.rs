@@ -46,16 +46,13 @@ impl<'a> Ordered<'a> {
 pub enum ListStatus {
     /// The list contains every pair inside the cutoff.
     Complete,
-    /// The list lacks these pairs of slots. On ranks, it is the list of this one: those of others may be complete.
+    /// The list lacks these pairs of slots. On ranks, other ranks may have complete lists.
     Incomplete(Vec<[u32; 2]>),
     /// The list may lack pairs, and it must be built again.
     Expired,
     /// A position is not a finite number.
     NonFinite,
 }
-
-/// Fetches the positions of the halo while some work is done.
-pub type Fetch<'a> = dyn Fn(&mut dyn FnMut()) + Sync + 'a;
 
 /// A list with all that its use in a box depends on.
 pub struct ListInUse<'a, P> {

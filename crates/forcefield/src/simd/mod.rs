@@ -66,3 +66,4 @@ pub use motion::{MotionSummary, SomeRows};
 pub use mover::{KickDrift, Mover, SlotNoise, SumOverChunks};
 pub use packed::{PackedCopies, Prepared, Request, are_few};
 pub use packed_list::{ChunkLoop, PackedList};
+pub use row::{vector_of, words_of};

@@ -15,10 +15,11 @@ use lennard_neighbor::{LARGE_SYSTEM, PackedDisplacement};
 
 use super::disjoint::Disjoint;
 use super::fused::{ChunkDisplacement, NextRows};
-use super::list_in_use::{Fetch, ListInUse, ListStatus, Ordered};
+use super::list_in_use::{ListInUse, ListStatus, Ordered};
 use super::motion::{MotionSummary, SomeRows};
 use super::pack::Threads;
 use super::packed_list::PackedList;
+use super::row::Row;
 use crate::part::Part;
 use crate::sums::{Detail, Totals};
 
@@ -90,8 +91,6 @@ pub struct Pass<'a, 'p, P: PackedList> {
     pub at: &'a (dyn Fn() -> Ordered<'p> + Sync),
     /// Runs a chunk.
     pub run: &'a RunChunk<'a, P::Row>,
-    /// Fetches the positions of the halo, where there are ranks.
-    pub fetch: Option<&'a Fetch<'a>>,
 }
 
 impl<P: PackedList> Pass<'_, '_, P> {
@@ -158,14 +157,14 @@ impl<Row> Default for PackedCopies<Row> {
     }
 }
 
-impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
+impl<R: Row> PackedCopies<R> {
     /// Number of bytes held.
     pub fn bytes(&self) -> usize {
         self.0
             .iter()
             .map(lock)
             .map(|copy| {
-                (copy.rows.capacity() + copy.next.capacity()) * size_of::<Row>()
+                (copy.rows.capacity() + copy.next.capacity()) * size_of::<R>()
                     + copy.displacements.capacity() * size_of::<ChunkDisplacement>()
                     + copy.packed.capacity() * size_of::<PackedDisplacement>()
             })
@@ -173,7 +172,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// The room of the rows of one copy.
-    pub fn rows(&mut self) -> &mut Vec<Row> {
+    pub fn rows(&mut self) -> &mut Vec<R> {
         if self.0.is_empty() {
             self.0.push(Mutex::default());
         }
@@ -182,7 +181,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Packs, judges, and runs each chunk exactly once where the list is complete.
-    pub fn run<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) -> Outcome {
+    pub fn run<P: PackedList<Row = R>>(&mut self, pass: &Pass<'_, '_, P>) -> Outcome {
         let few = are_few(pass.whole());
         let copies = if few { rayon::current_num_threads() } else { 1 };
         self.0.resize_with(copies, Mutex::default);
@@ -204,9 +203,9 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Each thread packs a copy of its own before its first chunk, and all threads come to the same judgment.
-    fn run_few<'a, P: PackedList<Row = Row>>(&'a self, pass: &Pass<'_, '_, P>) -> Outcome {
+    fn run_few<'a, P: PackedList<Row = R>>(&'a self, pass: &Pass<'_, '_, P>) -> Outcome {
         let status = OnceLock::new();
-        let run = |mine: &mut Option<MutexGuard<'a, PackedCopy<Row>>>, c: usize| {
+        let run = |mine: &mut Option<MutexGuard<'a, PackedCopy<R>>>, c: usize| {
             let copy = mine.get_or_insert_with(|| {
                 let me = rayon::current_thread_index().unwrap_or(0);
                 // Each thread judges for itself: waiting for another thread may put it to sleep.
@@ -229,15 +228,15 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Packs a copy and judges the list.
-    fn pack<P: PackedList<Row = Row>>(
+    fn pack<P: PackedList<Row = R>>(
         &self,
         copy: usize,
         by: Threads,
         pass: &Pass<'_, '_, P>,
-    ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
+    ) -> (MutexGuard<'_, PackedCopy<R>>, ListStatus) {
         let mut copy = lock(&self.0[copy]);
         let list = pass.used.list;
-        copy.rows.resize(list.rows(), Row::default());
+        copy.rows.resize(list.rows(), R::default());
         copy.displacements.clear();
         copy.begin_packed(pass);
         let has_packed = copy.has_packed;
@@ -251,10 +250,10 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 
     /// Takes the rows that chunks packed ahead, and judges the list.
-    fn take_next<P: PackedList<Row = Row>>(
+    fn take_next<P: PackedList<Row = R>>(
         &self,
         pass: &Pass<'_, '_, P>,
-    ) -> (MutexGuard<'_, PackedCopy<Row>>, ListStatus) {
+    ) -> (MutexGuard<'_, PackedCopy<R>>, ListStatus) {
         let mut copy = lock(&self.0[0]);
         let PackedCopy { rows, next, .. } = &mut *copy;
         std::mem::swap(rows, next);
@@ -265,9 +264,9 @@ impl<Row: Copy + Default + Send + Sync> PackedCopies<Row> {
     }
 }
 
-impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
+impl<R: Row> PackedCopy<R> {
     /// Decides whether displacements are packed, and makes room for them.
-    fn begin_packed<P: PackedList<Row = Row>>(&mut self, pass: &Pass<'_, '_, P>) {
+    fn begin_packed<P: PackedList<Row = R>>(&mut self, pass: &Pass<'_, '_, P>) {
         let n = pass.whole();
         self.has_packed = P::INSERTS
             && pass.used.part.is_none()
@@ -278,7 +277,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         }
     }
 
-    fn judge<P: PackedList<Row = Row>>(
+    fn judge<P: PackedList<Row = R>>(
         &mut self,
         summary: &MotionSummary,
         pass: &Pass<'_, '_, P>,
@@ -289,7 +288,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     }
 
     /// Runs so many chunks over the rows, where `chunk` gives the number of each.
-    fn run<P: PackedList<Row = Row>>(
+    fn run<P: PackedList<Row = R>>(
         &mut self,
         pass: &Pass<'_, '_, P>,
         chunks: usize,
@@ -297,7 +296,7 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
     ) -> Outcome {
         let packs_next = pass.request.packs_next;
         if packs_next {
-            self.next.resize(pass.used.list.rows(), Row::default());
+            self.next.resize(pass.used.list.rows(), R::default());
             let all = pass.used.list.chunk_slots().count();
             self.displacements.resize(all, ChunkDisplacement::UNKNOWN);
             self.begin_packed(pass);
@@ -311,12 +310,8 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
         run_chunks(pass.request.detail, chunks, &|(), k| (pass.run)(rows, next.as_ref(), chunk(k)))
     }
 
-    /// Runs the chunks of this rank: the inner ones while the halo comes, and then the outer ones.
-    fn run_part<P: PackedList<Row = Row>>(
-        &mut self,
-        pass: &Pass<'_, '_, P>,
-        part: &Part,
-    ) -> Outcome {
+    /// Runs the chunks of this rank: the inner ones while the rows of the halo come, and then the outer ones.
+    fn run_part<P: PackedList<Row = R>>(&mut self, pass: &Pass<'_, '_, P>, part: &Part) -> Outcome {
         let [inner, outer] = part.inner_and_outer();
         let mut first = Outcome::without_sums(ListStatus::Complete);
         let inner_chunk = |k: usize| {
@@ -325,11 +320,17 @@ impl<Row: Copy + Default + Send + Sync> PackedCopy<Row> {
             }
             inner[k] as usize
         };
-        let mut run_inner = || first = self.run(pass, inner.len(), inner_chunk);
-        match pass.fetch {
-            Some(fetch) => fetch(&mut run_inner),
-            None => run_inner(),
-        }
+        let list = pass.used.list;
+        let mut mail = part.mail(R::WORDS);
+        mail.send(|slot, to| self.rows[list.row_of(slot)].send(to));
+        mail.exchange(&mut || first = self.run(pass, inner.len(), inner_chunk));
+        let motion = pass.used.motion((pass.at)());
+        let rows = Disjoint::new(&mut self.rows);
+        mail.receive(|slot, from| {
+            // SAFETY: each slot comes once, and slots have distinct rows.
+            unsafe { rows.write(list.row_of(slot), R::receive(from, &motion, slot)) };
+        });
+        drop(mail);
         pass.pack(Threads::All, part.rows(1), &mut self.rows, None);
         let mut both = self.run(pass, outer.len(), |k| outer[k] as usize);
         both.totals.append(&mut first.totals);

@@ -11,7 +11,7 @@ use super::motion::{Motion, MotionSummary, SomeRows};
 use super::output::Output;
 use super::pack::{Threads, pack_double, pack_fixed, pack_fixed_part};
 use super::portable;
-use super::row::{DoubleRow, FixedRow};
+use super::row::{DoubleRow, FixedRow, Row};
 use super::row_loop::RowJob;
 use crate::interaction::Interaction;
 use crate::sums::{Detail, Totals};
@@ -29,13 +29,15 @@ pub type PackPart<List> = unsafe fn(
 /// A list whose positions are packed into rows, with the loop over them.
 pub trait PackedList: PairList + Send {
     /// Coordinates as the loop reads them.
-    type Row: Copy + Default + Send + Sync;
+    type Row: Row;
 
     /// How a chunk packs its rows of the next step while other chunks read the rows of this step.
     ///
     /// It is none where packing ahead does not pay. It needs a second array of rows.
     const PACK_AHEAD: Option<PackPart<Self>> = None;
 
+    /// The row of a slot.
+    fn row_of(&self, slot: usize) -> usize;
     /// Lends the room of rows to a build, or takes it back, where a build can use it.
     fn swap_room(&mut self, _rows: &mut Vec<Self::Row>) {}
     /// Writes rows of some slots and ghosts, and packed displacements where given; summarizes the motion of the slots.
@@ -114,6 +116,10 @@ impl<I: Interaction> ChunkLoop<FixedRow> for ClusterJob<'_, I> {
 impl PackedList for NeighborList {
     type Row = DoubleRow;
 
+    fn row_of(&self, slot: usize) -> usize {
+        self.table().row[slot] as usize
+    }
+
     fn pack(
         &self,
         level: Level,
@@ -143,6 +149,10 @@ impl PackedList for ClusterList {
         // SAFETY: the contract is passed on.
         unsafe { pack_fixed_part(level, list.table(), motion, first, squares, rows) }
     });
+
+    fn row_of(&self, slot: usize) -> usize {
+        slot
+    }
 
     fn swap_room(&mut self, rows: &mut Vec<FixedRow>) {
         self.swap_room(rows);

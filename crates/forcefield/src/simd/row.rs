@@ -1,8 +1,66 @@
 //! Coordinate rows, as the pair loops read them.
 
 use super::level::Level;
+use super::motion::Motion;
+use glam::DVec3;
 use lennard_core::MOST_SPECIES;
 pub use lennard_neighbor::FixedRow;
+
+/// A row as ranks send it to each other: its coordinates in words of 32 bits. Each rank knows the padding.
+pub trait Row: Copy + Default + Send + Sync {
+    /// Number of words.
+    const WORDS: usize;
+    /// Writes the words.
+    fn send(&self, to: &mut [u32]);
+    /// The row of a slot from its words.
+    fn receive(from: &[u32], motion: &Motion<'_>, slot: usize) -> Self;
+}
+
+impl Row for FixedRow {
+    const WORDS: usize = 3;
+
+    #[inline(always)]
+    fn send(&self, to: &mut [u32]) {
+        to.iter_mut().zip(self).for_each(|(to, x)| *to = x.cast_unsigned());
+    }
+
+    #[inline(always)]
+    fn receive(from: &[u32], motion: &Motion<'_>, slot: usize) -> Self {
+        let [x, y, z] = [0, 1, 2].map(|axis| from[axis].cast_signed());
+        [x, y, z, motion.fixed_padding(slot)]
+    }
+}
+
+impl Row for DoubleRow {
+    const WORDS: usize = 6;
+
+    #[inline(always)]
+    fn send(&self, to: &mut [u32]) {
+        let [x, y, z, _] = self.0;
+        to.copy_from_slice(&words_of([x, y, z].into()));
+    }
+
+    #[inline(always)]
+    fn receive(from: &[u32], motion: &Motion<'_>, slot: usize) -> Self {
+        let r = vector_of(from);
+        Self([r.x, r.y, r.z, motion.padding(slot)])
+    }
+}
+
+/// The words of a vector.
+#[inline(always)]
+pub fn words_of(vector: DVec3) -> [u32; 6] {
+    let [x, y, z] = vector.to_array().map(f64::to_bits);
+    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, z as u32, (z >> 32) as u32]
+}
+
+/// The vector in six words.
+#[inline(always)]
+pub fn vector_of(words: &[u32]) -> DVec3 {
+    let component =
+        |k: usize| f64::from_bits(u64::from(words[2 * k + 1]) << 32 | u64::from(words[2 * k]));
+    DVec3::new(component(0), component(1), component(2))
+}
 
 /// A coordinate row in double precision: x, y, z in σ, and padding.
 ///

@@ -289,7 +289,7 @@ fn pairs_that_one_end_alone_lacks_are_told_to_the_rank_of_that_end() {
     assert!(inserted.any(|line| line.matches(',').count() > 100));
 }
 
-/// A team that loses the last position of each message between two ranks.
+/// A team that loses the last word of each message between two ranks.
 struct Lossy(Team);
 
 impl Wire for Lossy {
@@ -309,17 +309,17 @@ impl Wire for Lossy {
         self.0.trade(words)
     }
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
-        let before: Vec<_> = incoming.iter().map(|p| p.vectors.last().copied()).collect();
+        let before: Vec<_> = incoming.iter().map(|p| p.words.last().copied()).collect();
         self.0.exchange(outgoing, incoming, meanwhile);
         for (parcel, before) in incoming.iter_mut().zip(before) {
-            let last = parcel.vectors.last_mut().zip(before);
+            let last = parcel.words.last_mut().zip(before);
             last.into_iter().for_each(|(last, before)| *last = before);
         }
     }
 }
 
 #[test]
-fn one_position_too_few_in_a_halo_is_seen_in_the_bits() {
+fn one_word_too_few_in_a_halo_is_seen_in_the_bits() {
     let start = fluid([17, 16, 16], 0.75);
     let n = start.positions.len();
     for kernel in kernels() {

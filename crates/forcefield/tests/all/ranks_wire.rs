@@ -70,7 +70,7 @@ impl Wire for Counting {
         self.0.trade(words)
     }
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
-        let bytes = outgoing.iter().map(|parcel| 24 * parcel.vectors.len()).sum();
+        let bytes = outgoing.iter().map(|parcel| 4 * parcel.words.len()).sum();
         self.count(|sent| sent.exchanges.add(outgoing.len(), bytes));
         self.0.exchange(outgoing, incoming, meanwhile);
     }
@@ -139,7 +139,8 @@ fn messages_are_those_of_the_model_and_no_others() {
             });
             let (_, _, builds, plan) = found[0].clone();
             let inserts = plan.kernel == "cluster";
-            let mut vectors = 0.0;
+            let of_position = if inserts { 12 } else { 24 };
+            let mut bytes = 0;
             for (sent, _, _, _) in &found {
                 // Each step has one exchange. Positions and velocities go to places at the begin, and to numbers at the end.
                 assert_eq!(sent.exchanges.calls, STEPS + 4);
@@ -152,13 +153,13 @@ fn messages_are_those_of_the_model_and_no_others() {
                 let flags = sent.largest.calls - decisions;
                 assert_eq!(sent.largest.bytes, 8 * (2 + ranks) * decisions + 8 * flags);
                 assert_eq!(sent.sums.calls, 1 + builds);
-                // In some steps, fast particles may meet what no list names. Ranks tell each other the fast ones at their faces,
-                // and the pairs that these make; or whether there are any, where lists take no more pairs.
+                // In some steps, fast particles may meet what no list names. Ranks tell each other the fast ones at their faces.
+                // They tell the pairs of them too. Where lists take no more pairs, they ask whether any rank found one.
                 let [asked, told] = [flags - builds - 1, sent.trades.calls - 2 * builds - 2];
                 let searches = if inserts { told / 2 } else { told };
                 assert_eq!([asked, told], if inserts { [0, 2 * searches] } else { [searches; 2] });
                 assert!(searches > 0 && searches < STEPS / 2, "{searches}");
-                vectors += sent.exchanges.bytes as f64 / 24.0;
+                bytes += sent.exchanges.bytes;
             }
             let halo = found.iter().map(|(_, halo, _, _)| halo).sum::<f64>() / ranks as f64;
             let (h, length) = (plan.r_list, cell.lengths().x);
@@ -172,9 +173,10 @@ fn messages_are_those_of_the_model_and_no_others() {
             let allowed = if ranks == 2 { -0.02..0.02 } else { 0.0..0.2 };
             assert!(allowed.contains(&more), "{precision:?}, {ranks} ranks: {more}");
             // A message carries the halo, and some particles beyond it that lists name. The rest takes the route.
-            let halos = halo * (ranks * STEPS) as f64;
-            let others = vectors - halos;
-            assert!(others > 0.0 && others < 4.0 * n as f64 + 0.01 * halos, "{others} {halos}");
+            let halos = halo * (ranks * STEPS * of_position) as f64;
+            let others = bytes as f64 - halos;
+            let most = 4.0 * 24.0 * n as f64 + 0.01 * halos;
+            assert!(others > 0.0 && others < most, "{others} {halos}");
         }
     }
 }

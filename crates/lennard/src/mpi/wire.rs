@@ -96,9 +96,9 @@ impl Wire for World {
     }
 
     fn exchange(&self, outgoing: &[Parcel], incoming: &mut [Parcel], meanwhile: &mut dyn FnMut()) {
-        let sent = outgoing.iter().map(|parcel| (parcel.rank, parcel.vectors.as_flattened()));
+        let sent = outgoing.iter().map(|parcel| (parcel.rank, &parcel.words[..]));
         let room = incoming.iter_mut();
-        let room = room.map(|parcel| (parcel.rank, parcel.vectors.as_flattened_mut()));
+        let room = room.map(|parcel| (parcel.rank, &mut parcel.words[..]));
         pass(sent, room, meanwhile);
     }
 

@@ -60,15 +60,25 @@ impl Block {
         self.slots().any(|contained| contained == slot)
     }
 
-    /// Inserts a slot where an entry is free and the base reaches it; returns whether it did.
+    /// Whether it is a whole block or the first part of one: later parts have no entry in the first lane.
+    pub(super) fn is_first_part(&self) -> bool {
+        self.valid & 1 == 1
+    }
+
+    /// Inserts a slot where an entry is free; returns whether one was. All slots have to be in reach of each other: the base becomes
+    /// lower where the slot is. So it does not depend on the numbers of slots which entry takes it.
     pub(super) fn insert(&mut self, slot: u32) -> bool {
         let free = self.valid.trailing_ones() as usize;
-        let reaches = (self.base..=self.base + BLOCK_REACH).contains(&slot);
-        if free < BLOCK && reaches {
-            self.valid |= 1 << free;
-            self.entries[free] = (slot - self.base) as u16 * ENTRY_SCALE;
+        if free == BLOCK {
+            return false;
         }
-        free < BLOCK && reaches
+        let base = self.base.min(slot);
+        let lower = (self.base - base) as u16 * ENTRY_SCALE;
+        self.entries = { self.entries }.map(|entry| entry + lower);
+        self.base = base;
+        self.valid |= 1 << free;
+        self.entries[free] = (slot - base) as u16 * ENTRY_SCALE;
+        true
     }
 
     /// The slot of entry `k`; `None` where it does not count.
@@ -242,6 +252,66 @@ mod tests {
             let others = (0..5).flat_map(|first| (0..5).map(move |second| [first, second]));
             assert!(others.map(cost).all(|other| cost(chosen) <= other), "{len:?}");
             assert!(chosen[0] <= len[1].div_ceil(BLOCK) && chosen[1] <= len[2].div_ceil(BLOCK));
+        }
+    }
+
+    /// The lanes that a member looks at, in the order of its sums: parts are put together.
+    fn lanes_of(
+        chunk: &ClusterChunk,
+        member: usize,
+        number: impl Fn(u32) -> u32,
+    ) -> Vec<Vec<Option<u32>>> {
+        let mut whole: Vec<Vec<Option<u32>>> = Vec::new();
+        for block in chunk.lists().next().unwrap().1.for_member(member) {
+            let lanes = (0..BLOCK).map(|k| block.slot(k).map(&number));
+            match whole.last_mut() {
+                Some(whole) if !block.is_first_part() => {
+                    whole.iter_mut().zip(lanes).for_each(|(lane, other)| *lane = lane.or(other));
+                }
+                _ => whole.push(lanes.collect()),
+            }
+        }
+        whole
+    }
+
+    #[test]
+    fn insertions_keep_the_order_of_sums_whatever_the_numbers_of_slots() {
+        // Each third neighbor is out of reach of the others: its block has parts.
+        let far =
+            |slot: u32| if slot >= 6 && slot.is_multiple_of(3) { slot + 90_000 } else { slot };
+        let near = |slot: u32| if slot >= 90_000 { slot - 90_000 } else { slot };
+        for len in [[68, 28, 28], [64, 33, 12], [70, 16, 48], [5, 33, 40], [90, 5, 47]] {
+            let chunks = [&(|slot| slot) as &dyn Fn(u32) -> u32, &far].map(|slot_of| {
+                let mut chunk =
+                    ClusterChunk { end_slot: CLUSTER as u32, ..ClusterChunk::default() };
+                let mut found = found(len);
+                found.slots.iter_mut().flatten().for_each(|slot| {
+                    if *slot != u32::MAX {
+                        *slot = slot_of(*slot);
+                    }
+                });
+                chunk.push((&mut found, &[]), false, None, None);
+                chunk.finish();
+                // Neighbors of a half, and slots that no member lists.
+                let [all, first, second] = len.map(|len| len as u32);
+                let inserted = [all + 1, 500, all + first + 2, 501, 720, all + first + second - 1];
+                for slot in inserted.map(slot_of) {
+                    for own in [0, 2] {
+                        if !chunk.contains(own, slot) {
+                            chunk.insert(own, slot, false);
+                        }
+                    }
+                }
+                assert!(chunk.is_valid(100_000));
+                chunk
+            });
+            assert!(chunks[1].blocks.len() > chunks[0].blocks.len());
+            for member in 0..CLUSTER {
+                let [a, b] = chunks.each_ref().map(|chunk| lanes_of(chunk, member, near));
+                assert_eq!(a, b, "{len:?}, {member}");
+                let lists = |slot| a.iter().flatten().any(|lane| *lane == Some(slot));
+                assert!(lists(500) && lists(501) && lists(720));
+            }
         }
     }
 

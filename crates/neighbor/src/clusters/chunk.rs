@@ -138,27 +138,38 @@ impl ClusterChunk {
 
     /// Inserts a slot into the list of the cluster of another slot, for all members; one member does not have it yet.
     ///
-    /// It takes a free entry where `fills` holds. Elsewhere free entries depend on the numbers of slots, and a new block takes it.
-    pub(super) fn insert(&mut self, own: u32, slot: u32, fills: bool) {
+    /// Where `is_one_base`, one base reaches all slots: no block has parts, and a free entry takes the slot. Elsewhere the numbers of
+    /// slots decide where blocks have parts, and which blocks are masked. The order of the sums must not depend on it: whole blocks
+    /// go behind the first masked one.
+    pub(super) fn insert(&mut self, own: u32, slot: u32, is_one_base: bool) {
         let [k, _] = self.address(own);
         let begin = if k == 0 { 0 } else { self.spans[k - 1].end as usize };
-        let span = &mut self.spans[k];
-        let second_half = span.second_half as usize;
-        let masked = second_half..span.masked as usize;
+        let Span { first_half, second_half, masked, .. } = self.spans[k];
+        let [first_half, second_half, masked] =
+            [first_half, second_half, masked].map(|end| end as usize);
+        let end = if is_one_base { masked } else { self.end_of_parts(second_half, masked) };
         if let Some(block) = (begin..second_half).find(|block| self.blocks[*block].contains(slot)) {
-            // One half has the slot. Its block becomes the last masked one, which all members look at.
-            self.blocks[block..masked.end].rotate_left(1);
-            span.first_half -= u32::from(block < span.first_half as usize);
-            span.second_half -= 1;
-            self.look_at_all_of_last(k);
+            // One half has the slot. Its block becomes a masked one, which all members look at.
+            let of_first = block < first_half;
+            let start = (begin..=block).rfind(|block| self.blocks[*block].is_first_part());
+            let start = start.expect("a half begins with a whole block");
+            let next = self.end_of_parts(start, if of_first { first_half } else { second_half });
+            self.blocks[start..end].rotate_left(next - start);
+            let moved = (next - start) as u32;
+            let span = &mut self.spans[k];
+            span.first_half -= if of_first { moved } else { 0 };
+            span.second_half -= moved;
+            self.look_at_all_of(k, end - (next - start)..end);
             return;
         }
-        let blocks = &mut self.blocks[masked.clone()];
-        if fills && blocks.iter_mut().any(|block| block.insert(slot)) {
+        if is_one_base
+            && self.blocks[second_half..masked].iter_mut().any(|block| block.insert(slot))
+        {
             return;
         }
         make_room(&mut self.blocks, 1);
-        self.blocks.insert(masked.end, Block::of(slot, &[slot]));
+        self.blocks.insert(end, Block::of(slot, &[slot]));
+        let span = &mut self.spans[k];
         span.masked += 1;
         span.end += 1;
         for span in &mut self.spans[k + 1..] {
@@ -167,15 +178,22 @@ impl ClusterChunk {
             span.masked += 1;
             span.end += 1;
         }
-        self.look_at_all_of_last(k);
+        self.look_at_all_of(k, end..end + 1);
     }
 
-    /// Inserts an empty mask for the last masked block of cluster `k`, which is new.
-    fn look_at_all_of_last(&mut self, k: usize) {
+    /// The end of the parts of a whole block that begins with one of the blocks, before an end of such blocks.
+    fn end_of_parts(&self, first: usize, end: usize) -> usize {
+        let mut others = first + 1..end;
+        others.find(|block| self.blocks[*block].is_first_part()).unwrap_or(end)
+    }
+
+    /// Inserts empty masks for new masked blocks of cluster `k`, by their places among all blocks.
+    fn look_at_all_of(&mut self, k: usize, blocks: Range<usize>) {
         if !self.excluded.is_empty() {
-            let masked = self.spans[..=k].iter().map(Span::masked_blocks);
-            let last = masked.sum::<usize>() - 1;
-            self.excluded.insert(last, ExcludedEntries::default());
+            let before: usize = self.spans[..k].iter().map(Span::masked_blocks).sum();
+            let first = before + blocks.start - self.spans[k].second_half as usize;
+            let none = blocks.map(|_| ExcludedEntries::default());
+            self.excluded.splice(first..first, none);
         }
     }
 

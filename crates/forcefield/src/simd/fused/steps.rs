@@ -37,10 +37,10 @@ pub fn fused_step<P: PackedList>(
     (kick_drift, mover): (KickDrift, &Mover<'_>),
     request: Request,
 ) -> ListStatus {
-    let n = used.list.particles().len();
+    let own = used.list.own();
     assert!(
-        particles.positions.len() == n && particles.velocities.len() >= used.list.own(),
-        "one vector per slot"
+        particles.positions.len() == own && particles.velocities.len() == own,
+        "one vector per slot that has a list"
     );
     assert!(
         particles.next.is_some() || !are_few(used.list.whole()),
@@ -104,18 +104,14 @@ pub fn fused_step<P: PackedList>(
         unsafe { ahead.pack(chunk, next_rows, motion, step) };
         totals
     };
-    let Some(part) = used.part else {
-        let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: None });
-        return if outcome.broken { ListStatus::NonFinite } else { outcome.status };
-    };
-    let fetch = |meanwhile: &mut dyn FnMut()| {
-        let own = |slot: u32| at().positions[slot as usize];
-        // SAFETY: the slots of a halo belong to no chunk, they are put when no chunk runs, and each comes once.
-        let put = |slot: u32, r| unsafe { positions.write(slot as usize, r) };
-        part.fetch(own, meanwhile, put);
-    };
-    let outcome = copies.run(&Pass { used, request, at: &at, run: &run, fetch: Some(&fetch) });
-    // All ranks learn it when they judge the list next.
-    part.note_broken(outcome.broken);
-    outcome.status
+    let outcome = copies.run(&Pass { used, request, at: &at, run: &run });
+    match used.part {
+        None if outcome.broken => ListStatus::NonFinite,
+        None => outcome.status,
+        Some(part) => {
+            // All ranks learn it when they judge the list next.
+            part.note_broken(outcome.broken);
+            outcome.status
+        }
+    }
 }
