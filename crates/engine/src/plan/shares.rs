@@ -81,8 +81,16 @@ pub(super) struct Costs {
 impl Costs {
     /// Measures at the start of a scene, after some of its steps.
     pub(super) fn measure(simulation: &mut Simulation) -> Result<Self, EngineError> {
-        let mut bare = with_everything_off(simulation)?;
-        let mut measured = FirstSteps::from(Instant::now());
+        let bare = with_everything_off(simulation)?;
+        Self::after(FirstSteps::from(Instant::now()), bare, simulation)
+    }
+
+    /// As [`Costs::measure`], from the first steps of the scene with everything off.
+    fn after(
+        mut measured: FirstSteps,
+        mut bare: Simulation,
+        simulation: &mut Simulation,
+    ) -> Result<Self, EngineError> {
         bare.follow(&mut measured)?;
         let (first, last) = (measured.first.unwrap_or_default(), bare.forces.statistics());
         let (step, times) = (measured.mean(), measured.seconds);

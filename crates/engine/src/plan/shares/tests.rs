@@ -15,12 +15,14 @@ fn memory_is_counted_as_a_run_takes_it() {
     let measured = |more: &str| {
         // Each thread has a copy of few particles once it runs a chunk: one thread always has its own.
         let alone = lennard_core::parallel::pool(1).unwrap();
-        let measure = |_| {
-            let mut simulation = crate::prepare(scene(more)).unwrap();
-            alone.install(|| Costs::measure(&mut simulation).unwrap())
-        };
-        // A busy machine takes fewer steps, and the room of lists grows as builds find more ghosts.
-        (0..4).map(measure).min_by_key(|costs| costs.force_bytes).unwrap()
+        let mut simulation = crate::prepare(scene(more)).unwrap();
+        let bare = with_everything_off(&simulation).unwrap();
+        // Builds of the list make its room grow. No clock decides here how many there are: patience is over after one step,
+        // and all steps after it are counted.
+        let one_step = FirstSteps::from(Instant::now() - PATIENCE);
+        let costs = alone.install(|| Costs::after(one_step, bare, &mut simulation)).unwrap();
+        assert_eq!(costs.steps, 0);
+        costs
     };
     let stage = "[[stage]]\nname = \"a\"\nsteps = 300\n";
     let observed = format!("{stage}[[observable]]\nkind = \"momentum\"\nevery = 1\n");

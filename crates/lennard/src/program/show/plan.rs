@@ -211,5 +211,12 @@ mod tests {
                 "--verbose: every part, and the reason for each of 1 that are off",
             ]
         );
+        // Remarks take the place of parts, and the largest part keeps its line.
+        for (lines_of_remarks, parts) in [(1, 2), (2, 1), (9, 1)] {
+            let remarks = vec!["a remark".to_owned(); lines_of_remarks];
+            let said = lines(&Plan { remarks, ..plan.clone() });
+            assert_eq!(said.len(), 1 + parts + 2, "{said:?}");
+            assert_eq!(said[1], " 70.0 %  pair forces: every step");
+        }
     }
 }

@@ -76,13 +76,21 @@ fn forces_are_written_at_full_precision() {
 fn a_plan_is_ten_lines_and_verbose_says_what_is_on_and_off_and_why() {
     let short = succeed("plan bench/fluid-864");
     assert!(short.lines().count() <= 10, "{short}");
-    contains(&short, &["pair forces", "time: about"]);
+    // Which parts have a line of their own depends on measured times. A test beside the printer gives it times.
+    contains(&short, &["stages: melt 2000 steps", "memory: about", "time: ", "--verbose: every"]);
     // In short, a part that takes little time is only counted.
     let all = succeed("plan verlet-1967/triple-point --verbose");
-    contains(&all, &["neighbor list", "tail correction", "rdf", "off", "memory", "time: about"]);
-    contains(&all, &["wall-pressure", "not in the scene"]);
+    contains(&all, &["pair forces", "neighbor list", "tail correction", "rdf", "off", "memory"]);
+    contains(&all, &["wall-pressure", "not in the scene", "time: "]);
     let plan = json(&succeed("plan fluid/gas --json"));
-    assert!(plan["items"].as_array().unwrap().iter().any(|i| i["on"] == false));
+    let items = plan["items"].as_array().unwrap();
+    assert!(items.iter().any(|i| i["on"] == false && i["share"].is_null()));
+    // Each part of the work has its share of the time of the run, where that time is known.
+    let item = |part: &str| items.iter().find(|i| i["part"] == part).unwrap();
+    for part in ["pair forces", "neighbor list", "integrator", "watchdog"] {
+        let share = &item(part)["share"];
+        assert_eq!(share.is_number(), plan["estimated_seconds"].is_number(), "{part}: {share}");
+    }
 }
 
 #[test]
