@@ -245,7 +245,7 @@ impl Checkpointer {
         let checkpoint = capture(simulation, marks, past);
         let own = simulation.system.own();
         let written = match &self.folder {
-            Some(folder) => folder.write_on(&checkpoint, own).map(drop),
+            Some(folder) => folder.write(&checkpoint, own).map(drop),
             None => {
                 lennard_io::give_checkpoint(&checkpoint, own);
                 Ok(())

@@ -201,7 +201,7 @@ fn load(
             .map_err(|source| ResumeError::Refused { folder: owned(), source })?;
         return Ok((path.clone(), checkpoint));
     }
-    checkpoints.load_newest_on(team).map_err(|source| {
+    checkpoints.load_newest(team).map_err(|source| {
         match &source.problem {
             CheckpointProblem::None if folder.join(SCENE).exists() => {
                 ResumeError::NoCheckpoint { folder: owned() }

@@ -229,7 +229,7 @@ fn turns(look: u64, n: usize) -> impl Iterator<Item = usize> {
     (first..first + count as u64).map(move |turn| (turn % n * stride % n) as usize)
 }
 
-fn greatest_common_divisor(a: u64, b: u64) -> u64 {
+pub(crate) fn greatest_common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 

@@ -60,22 +60,14 @@ impl CheckpointFolder {
         Ok(found)
     }
 
-    /// Writes a checkpoint and, once it is on the disk, removes all but the last two.
+    /// Writes a checkpoint and, once it is on the disk, removes all but the last two. Where ranks share the particles, rank 0 does it.
     ///
     /// Checkpoints of later steps are removed too: they belong to a future that was given up when the
     /// run went on from an older one.
     ///
     /// # Errors
     /// Where the operating system refuses; the older checkpoints are then all still there.
-    pub fn write(&self, checkpoint: &Checkpoint) -> Result<PathBuf, WriteError> {
-        self.write_on(checkpoint, &Own::all_of(0))
-    }
-
-    /// As [`Self::write`], on rank 0 where ranks share the particles.
-    ///
-    /// # Errors
-    /// As [`Self::write`].
-    pub fn write_on(&self, checkpoint: &Checkpoint, own: &Own) -> Result<PathBuf, WriteError> {
+    pub fn write(&self, checkpoint: &Checkpoint, own: &Own) -> Result<PathBuf, WriteError> {
         let step = checkpoint.metadata.step;
         let path = self.path(step);
         write_checkpoint_on(&path, checkpoint, own)?;
@@ -93,20 +85,12 @@ impl CheckpointFolder {
         Ok(path)
     }
 
-    /// The newest checkpoint.
+    /// The newest checkpoint, of which a rank of a team takes the particles alone that it keeps.
     ///
     /// # Errors
     /// Where there is none, or the newest one is refused: the error then says why and names the older
     /// one, if that is whole. It is not taken silently, since steps would be lost.
-    pub fn load_newest(&self) -> Result<(PathBuf, Checkpoint), CheckpointError> {
-        self.load_newest_on(None)
-    }
-
-    /// As [`Self::load_newest`]; a rank of a team takes the particles alone that it keeps.
-    ///
-    /// # Errors
-    /// As [`Self::load_newest`].
-    pub fn load_newest_on(
+    pub fn load_newest(
         &self,
         team: Option<&Team>,
     ) -> Result<(PathBuf, Checkpoint), CheckpointError> {

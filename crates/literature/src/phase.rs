@@ -37,12 +37,6 @@ impl Phase {
         matches!(self, Self::Gas | Self::Liquid | Self::Supercritical)
     }
 
-    /// Whether the state lies between the densities of the coexisting vapor and liquid.
-    #[must_use]
-    pub fn is_between_vapor_and_liquid(self) -> bool {
-        matches!(self, Self::MetastableVapor | Self::MetastableLiquid | Self::InsideDome)
-    }
-
     /// One phrase for a table or a message.
     #[must_use]
     pub fn describe(self) -> &'static str {

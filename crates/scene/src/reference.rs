@@ -1,7 +1,6 @@
 //! The scene reference: every table and key with what it may hold. Error messages, the range checks and
 //! the tables of `inputs/README.md` are made from it.
 
-use std::fmt::Write as _;
 use std::sync::OnceLock;
 
 pub(crate) mod tables;
@@ -38,31 +37,4 @@ pub(crate) fn keys_of(table: &str, method: Option<&str>) -> impl Iterator<Item =
 /// What is known of a key: `table` without indices (`stage.thermostat`).
 pub(crate) fn find(table: &str, method: Option<&str>, key: &str) -> Option<&'static KeyDoc> {
     keys_of(table, method).find(|doc| doc.key == key)
-}
-
-/// The scene reference as Markdown: a section a table, a row a key.
-#[must_use]
-pub fn markdown() -> String {
-    let mut out = String::new();
-    for table in tables() {
-        let _ = write!(out, "### {}\n\n{}\n\n", table.heading(), table.meaning);
-        out.push_str("| Key | Allowed | Default | Unit | Meaning |\n|---|---|---|---|---|\n");
-        for doc in keys().iter().filter(|doc| doc.table == table.table) {
-            let only = match doc.method {
-                Some(method) => format!(" (`{method}`)"),
-                None => String::new(),
-            };
-            let _ = writeln!(
-                out,
-                "| `{}`{only} | {} | {} | {} | {} |",
-                doc.key,
-                doc.allowed.text(),
-                doc.default,
-                doc.unit,
-                doc.meaning
-            );
-        }
-        out.push('\n');
-    }
-    out
 }

@@ -213,11 +213,7 @@ fn is_beyond_totals(want: Want) -> bool {
 
 /// The share of the steps due every so often on which no row of thermo.csv is due, which has energy and virial computed.
 fn alone(every: u64, rows: u64) -> f64 {
-    1.0 - gcd(every, rows) as f64 / rows as f64
-}
-
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
+    1.0 - watchdog::greatest_common_divisor(every, rows) as f64 / rows as f64
 }
 
 /// The median time of a call, s.

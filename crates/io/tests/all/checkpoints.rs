@@ -2,7 +2,7 @@
 
 use crate::common::{mutate, noise, scratch};
 use glam::DVec3;
-use lennard_core::{Array, StateArchive};
+use lennard_core::{Array, Own, StateArchive};
 use lennard_io::{
     Checkpoint, CheckpointFolder, CheckpointMetadata, CheckpointProblem, FileMark, read_checkpoint,
     read_checkpoint_bytes, write_checkpoint,
@@ -154,17 +154,17 @@ fn seeded_mutations_never_panic_with_or_without_a_right_checksum() {
 fn the_last_two_are_kept_and_an_abandoned_future_is_not() {
     let root = tempfile::tempdir().unwrap();
     let folder = CheckpointFolder::new(root.path());
-    assert!(matches!(folder.load_newest().unwrap_err().problem, CheckpointProblem::None));
+    assert!(matches!(folder.load_newest(None).unwrap_err().problem, CheckpointProblem::None));
     for step in [5, 10, 100, 1_000_000_000_000] {
-        folder.write(&checkpoint(step)).unwrap();
+        folder.write(&checkpoint(step), &Own::all_of(0)).unwrap();
     }
     let steps = || -> Vec<u64> { folder.list().unwrap().iter().map(|(s, _)| *s).collect() };
     assert_eq!(steps(), [1_000_000_000_000, 100]);
     // Gone on from step 100, since the newer one was damaged.
-    folder.write(&checkpoint(150)).unwrap();
+    folder.write(&checkpoint(150), &Own::all_of(0)).unwrap();
     assert_eq!(steps(), [150, 100]);
-    assert_eq!(folder.load_newest().unwrap().1.metadata.step, 150);
-    folder.write(&checkpoint(150)).unwrap();
+    assert_eq!(folder.load_newest(None).unwrap().1.metadata.step, 150);
+    folder.write(&checkpoint(150), &Own::all_of(0)).unwrap();
     assert_eq!(steps(), [150, 100], "the same step again replaces itself");
 }
 
@@ -173,11 +173,11 @@ fn a_failed_write_leaves_the_older_checkpoints_untouched() {
     let root = tempfile::tempdir().unwrap();
     let folder = CheckpointFolder::new(root.path());
     for step in [5, 10] {
-        folder.write(&checkpoint(step)).unwrap();
+        folder.write(&checkpoint(step), &Own::all_of(0)).unwrap();
     }
     // A folder stands where the new file should go: renaming must fail.
     std::fs::create_dir_all(folder.path(15).join("in the way")).unwrap();
-    assert!(folder.write(&checkpoint(15)).is_err());
+    assert!(folder.write(&checkpoint(15), &Own::all_of(0)).is_err());
     assert_same(&read_checkpoint(&folder.path(5)).unwrap(), &checkpoint(5));
     assert_same(&read_checkpoint(&folder.path(10)).unwrap(), &checkpoint(10));
 }

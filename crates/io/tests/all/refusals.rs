@@ -62,7 +62,7 @@ fn files_that_are_not_there_and_lines_without_end_are_refused() {
     assert!(matches!(error, FormatError::Io { .. }) && error.file() == absent, "{error}");
     let error = read_checkpoint(&absent).unwrap_err();
     assert!(matches!(error.problem, CheckpointProblem::Io(_)) && error.file == absent);
-    let newest = lennard_io::CheckpointFolder::new(folder.path()).load_newest();
+    let newest = lennard_io::CheckpointFolder::new(folder.path()).load_newest(None);
     assert!(matches!(newest.unwrap_err().problem, CheckpointProblem::None));
 }
 
