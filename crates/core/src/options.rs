@@ -202,8 +202,9 @@ impl<T: OptionValue> OptionValue for Option<T> {
 /// Declares a struct of options with its keys.
 ///
 /// A field is `key: type = default, allowed, in "unit";`. Its doc comment is the meaning of the key. A key without a default
-/// value is an `Option` that says in words what holds instead: `key: Option<f64> = None, else "0.8·`r_cut`", …`. Words between key and
-/// colon say how serde writes the value: `as "box"` gives the key another name, `with "module"` names a module.
+/// value is an `Option` that says in words what holds instead: `key: Option<f64> = None, else "0.8·`r_cut`", …`. Behind a default value,
+/// `as "…"` gives other words for it. Words between key and colon say how serde writes the value: `as "box"` gives the key another
+/// name, `with "module"` names a module, and `skip "function"` says where no value is written.
 ///
 /// ```
 /// use lennard_core::options::Options;
@@ -226,8 +227,8 @@ macro_rules! options {
         $vis:vis struct $name:ident {
             $(
                 $(#[doc = $meaning:expr])+
-                $key:ident $(as $rename:literal)? $(with $with:literal)?: $type:ty = $default:expr
-                    $(, else $words:literal)?, $allowed:expr $(, in $unit:literal)?;
+                $key:ident $(as $rename:literal)? $(with $with:literal)? $(skip $skip:literal)?: $type:ty = $default:expr
+                    $(, else $words:literal)? $(, as $usual:literal)?, $allowed:expr $(, in $unit:literal)?;
             )*
         }
     ) => {
@@ -239,6 +240,7 @@ macro_rules! options {
                 $(#[doc = $meaning])+
                 $(#[serde(rename = $rename)])?
                 $(#[serde(with = $with)])?
+                $(#[serde(skip_serializing_if = $skip)])?
                 $(#[doc = concat!("\n\nBy default: ", $words, ".")] #[serde(skip_serializing_if = "Option::is_none")])?
                 pub $key: $type,
             )*
@@ -258,7 +260,8 @@ macro_rules! options {
                     key: $crate::options!(@or stringify!($key) $(, $rename)?),
                     allowed: $allowed,
                     default: || $crate::options!(
-                        @or format!("`{}`", OptionValue::written(&Self::default().$key)) $(, $words.to_owned())?
+                        @or format!("`{}`", OptionValue::written(&Self::default().$key))
+                            $(, $words.to_owned())? $(, $usual.to_owned())?
                     ),
                     unit: $crate::options!(@or "" $(, $unit)?),
                     meaning: concat!($($meaning),+).trim_ascii(),

@@ -159,10 +159,10 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
         velocities: output.velocities,
         forces: output.forces,
         wrapped: !output.unwrapped,
-        whole: output.whole,
-        for_ase: output.ase,
+        whole: output.whole.unwrap_or(true),
+        for_ase: output.ase == Some(true),
         length_scale: output.length_scale,
-        precision: output.precision,
+        precision: output.precision.unwrap_or(lennard_io::DEFAULT_PRECISION),
         sites_per_molecule: simulation.system.molecules.sites(),
         own: simulation.team().map(|_| simulation.system.own().clone()),
     }

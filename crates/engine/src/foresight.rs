@@ -125,13 +125,12 @@ impl Simulation {
 
 /// What is to be known of frames whose coordinates are too large for the precision asked for.
 pub(crate) fn less_precision(output: &Output, kept: f64) -> Option<String> {
-    let limits = output.format.spec().limits?;
-    (kept < output.precision).then(|| {
+    let (limits, precision) = output.format.spec().limits.zip(output.precision)?;
+    (kept < precision).then(|| {
         format!(
-            "frames of {} with coordinates above {:.1} σ have the precision {kept} in place of {}",
+            "frames of {} with coordinates above {:.1} σ have the precision {kept} in place of {precision}",
             output.format.spec().file,
-            limits.multiples / output.precision,
-            output.precision
+            limits.multiples / precision
         )
     })
 }
@@ -174,7 +173,7 @@ fn remark_on_reach(
     positions: &[DVec3],
 ) -> Option<String> {
     let output = &scene.output;
-    let limits = output.format.spec().limits?;
+    let (limits, precision) = output.format.spec().limits.zip(output.precision)?;
     if output.trajectory_every.is_none() || !output.unwrapped {
         return None;
     }
@@ -189,7 +188,7 @@ fn remark_on_reach(
         system.len() as f64 / cell.volume(),
     );
     let reach = system.own().largest(start.fold(0.0, f64::max)) + moved;
-    let kept = limits.precision_for(output.precision, reach);
+    let kept = limits.precision_for(precision, reach);
     let remark = less_precision(output, kept)?;
     Some(format!("unwrapped positions may reach {reach:.0} σ: {remark}"))
 }

@@ -395,10 +395,9 @@ fn trajectory_steps(scene: &Scene) -> Result<(), SceneError> {
 
 /// Whether positions in the box can stand in the trajectory with the precision asked for.
 fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
-    let precision = scene.output.precision;
     let side = cell.lengths().max_element();
-    match limits_of_trajectory(scene) {
-        Some(limits) if side * precision >= limits.multiples => Err(scene
+    match limits_of_trajectory(scene).zip(scene.output.precision) {
+        Some((limits, precision)) if side * precision >= limits.multiples => Err(scene
             .refuse("output.precision", "is finer than single precision in this box")
             .found(format!("{precision}, with a side of {side:.4} σ"))
             .allowed(format!("at most {:.1}", limits.multiples / side))),

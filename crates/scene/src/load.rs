@@ -126,7 +126,7 @@ fn read(
     )?;
     let name = reader.name(file)?;
     let mut observables = reader.observables()?;
-    let mut output = reader.output()?;
+    let mut output = reader.output(mixture.is_some())?;
     reader.one_thermo_interval(&mut observables, &mut output)?;
     let mut scene = Scene {
         name,

@@ -8,7 +8,6 @@ use lennard_integrators::BondOptions;
 use serde::Serialize;
 
 use crate::tables::PLANAR;
-use crate::tables::output::{CheckpointKeys, OutputKeys};
 use crate::tables::species::{PairKeys, SpeciesKeys};
 use crate::tables::stages::StageKeys;
 use crate::tables::start::{
@@ -17,42 +16,9 @@ use crate::tables::start::{
 use crate::tables::units::UnitKeys;
 use crate::tables::walls::FieldKeys;
 use crate::{
-    Accuracy, Arrangement, ContactTable, Geometry, IntegratorTable, MoleculeOptions,
+    Accuracy, Arrangement, Checkpoint, ContactTable, Geometry, IntegratorTable, MoleculeOptions,
     ObservableTable, Output, ProgramParts, Scene, System, WallTable,
 };
-
-impl Scene {
-    /// The table `[output]` with every default that goes with its format. Species have elements of their own.
-    pub(crate) fn output_keys(&self) -> OutputKeys {
-        let Output {
-            trajectory_every,
-            format,
-            precision,
-            ase,
-            thermo_every,
-            ref element,
-            velocities,
-            forces,
-            unwrapped,
-            whole,
-            length_scale,
-        } = self.output;
-        let spec = format.spec();
-        OutputKeys {
-            trajectory_every: trajectory_every.unwrap_or(0),
-            format,
-            precision: spec.limits.map(|_| precision),
-            ase: spec.holds_ase.then_some(ase),
-            thermo_every,
-            element: self.mixture.is_none().then(|| element.clone()),
-            velocities: Some(velocities),
-            forces,
-            unwrapped,
-            whole: self.molecule.as_ref().map(|_| whole),
-            length_scale,
-        }
-    }
-}
 
 /// The truncation, with the word for a planar tail in the place of a flag.
 #[derive(Serialize)]
@@ -110,8 +76,8 @@ struct Resolved<'a> {
     stage: Vec<StageKeys>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     observable: &'a [ObservableTable],
-    output: OutputKeys,
-    checkpoint: CheckpointKeys,
+    output: &'a Output,
+    checkpoint: &'a Checkpoint,
     #[serde(skip_serializing_if = "ProgramParts::is_empty")]
     program: &'a ProgramParts,
 }
@@ -176,8 +142,8 @@ impl Scene {
             wall: &self.walls,
             stage: self.stages.iter().map(StageKeys::from).collect(),
             observable: &self.observables,
-            output: self.output_keys(),
-            checkpoint: (&self.checkpoint).into(),
+            output: &self.output,
+            checkpoint: &self.checkpoint,
             program: &self.program,
         }
     }

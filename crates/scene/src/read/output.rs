@@ -5,7 +5,6 @@ use lennard_core::options::quoted;
 use lennard_io::{FormatSpec, TrajectoryFormat};
 
 use crate::read::Reader;
-use crate::tables::output::{CheckpointKeys, OutputKeys};
 use crate::{Accuracy, Checkpoint, Output, SceneError};
 
 impl Reader<'_> {
@@ -26,41 +25,31 @@ impl Reader<'_> {
     }
 }
 
-const DEFAULT_ELEMENT: &str = "Ar";
-
 impl Reader<'_> {
-    pub fn output(&self) -> Result<Output, SceneError> {
+    pub fn output(&self, has_species: bool) -> Result<Output, SceneError> {
         let section = self.section("output");
-        let keys: OutputKeys = section.read(self.table("output"))?;
-        let element = keys.element.unwrap_or_else(|| DEFAULT_ELEMENT.to_owned());
-        if !lennard_io::is_element_symbol(&element) {
-            return Err(section.not_allowed("element", &element.into()));
+        let mut output: Output = section.read(self.table("output"))?;
+        if !lennard_io::is_element_symbol(&output.element) {
+            return Err(section.not_allowed("element", &output.element.into()));
         }
-        if let Some(whole) = keys.whole.filter(|_| !self.source.wrote("molecule")) {
+        let of_molecules = self.source.wrote("molecule");
+        if let Some(whole) = output.whole.filter(|_| !of_molecules) {
             let error = self.refuse("output.whole", "needs molecules");
             let allowed = "no such key, or a table [molecule]";
             return Err(error.found(whole).allowed(allowed));
         }
-        let spec = keys.format.spec();
-        let output = Output {
-            trajectory_every: Some(keys.trajectory_every).filter(|every| *every > 0),
-            format: keys.format,
-            precision: keys.precision.unwrap_or(lennard_io::DEFAULT_PRECISION),
-            ase: keys.ase.unwrap_or(false),
-            thermo_every: keys.thermo_every,
-            element,
-            velocities: keys.velocities.unwrap_or(spec.holds_vectors),
-            forces: keys.forces,
-            unwrapped: keys.unwrapped,
-            whole: keys.whole.unwrap_or(true),
-            length_scale: keys.length_scale,
-        };
-        self.fits_format(&output, keys.precision.is_some())?;
-        Ok(output)
+        self.fits_format(&output)?;
+        output.whole = of_molecules.then(|| output.whole.unwrap_or(true));
+        if has_species {
+            // Species have elements of their own.
+            output.element.clear();
+        }
+        let format = output.format;
+        Ok(output.in_format(format))
     }
 
     /// Refuses keys that the format of the trajectory has no place for.
-    fn fits_format(&self, output: &Output, has_precision: bool) -> Result<(), SceneError> {
+    fn fits_format(&self, output: &Output) -> Result<(), SceneError> {
         let spec = output.format.spec();
         let name = output.format.name();
         let refuse = |key: &str, found: String, allowed: &str| {
@@ -72,18 +61,20 @@ impl Reader<'_> {
             let all = TrajectoryFormat::ALL.iter().filter(|f| fits(f.spec()));
             quoted(&all.map(|f| f.name()).collect::<Vec<_>>())
         };
-        for (key, there) in [("velocities", output.velocities), ("forces", output.forces)] {
+        let velocities = output.velocities && self.source.wrote("output.velocities");
+        for (key, there) in [("velocities", velocities), ("forces", output.forces)] {
             if there && !spec.holds_vectors {
                 let formats = fitting(|spec| spec.holds_vectors);
                 return refuse(key, "true".into(), &format!("false, or a format of {formats}"));
             }
         }
-        if has_precision && spec.limits.is_none() {
-            let found = output.precision.to_string();
+        if let (Some(precision), None) = (output.precision, spec.limits) {
+            let found = precision.to_string();
             let formats = fitting(|spec| spec.limits.is_some());
             return refuse("precision", found, &format!("the format {formats}, or no such key"));
         }
-        if output.ase && !spec.holds_ase {
+        let for_ase = output.ase == Some(true);
+        if for_ase && !spec.holds_ase {
             let formats = fitting(|spec| spec.holds_ase);
             return refuse("ase", "true".into(), &format!("false, or a format of {formats}"));
         }
@@ -92,7 +83,7 @@ impl Reader<'_> {
             let formats = fitting(|spec| spec.names_scale);
             return refuse("length_scale", found, &format!("1, or a format of {formats}"));
         }
-        if output.ase && output.length_scale != 1.0 {
+        if for_ase && output.length_scale != 1.0 {
             let found = format!("true, with length_scale = {}", output.length_scale);
             return refuse("ase", found, "`length_scale = 1`: energies are in ε");
         }
@@ -100,10 +91,6 @@ impl Reader<'_> {
     }
 
     pub fn checkpoint(&self) -> Result<Checkpoint, SceneError> {
-        let keys: CheckpointKeys = self.plain("checkpoint")?;
-        Ok(Checkpoint {
-            every_steps: Some(keys.every_steps).filter(|every| *every > 0),
-            every_seconds: Some(keys.every_seconds).filter(|every| *every > 0.0),
-        })
+        self.plain("checkpoint")
     }
 }

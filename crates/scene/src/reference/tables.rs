@@ -12,7 +12,7 @@ use lennard_integrators::{
 use lennard_observables::ObservableOptions;
 
 use crate::methods::{self, Method};
-use crate::tables::output::{CheckpointKeys, OutputKeys};
+use crate::tables::output::{Checkpoint, Output};
 use crate::tables::species::{PairKeys, SpeciesKeys};
 use crate::tables::stages::{
     BarostatKeys, IntegratorKeys, ObservableKeys, PressureRamp, StageKeys, TemperatureRamp,
@@ -257,7 +257,7 @@ pub(super) static TABLES: &[TableDoc] = tables! {
     "observable" Form::Many, keys ObservableKeys,
         methods ObservableOptions, "kind" = Usual::NEEDED, "The observable.";
     /// What is written to the output folder.
-    "output" Form::Once, keys OutputKeys;
+    "output" Form::Once, keys Output;
     /// When the whole state is saved.
-    "checkpoint" Form::Once, keys CheckpointKeys;
+    "checkpoint" Form::Once, keys Checkpoint;
 };

@@ -4,47 +4,32 @@ use lennard_core::options::MOST_STEPS;
 use lennard_io::TrajectoryFormat;
 use serde::{Deserialize, Serialize};
 
-/// The table `[output]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Output {
-    /// Steps between two frames of the trajectory; `None` for no trajectory.
-    pub trajectory_every: Option<u64>,
-    /// The format of the trajectory.
-    pub format: TrajectoryFormat,
-    /// Positions of a format that rounds them are multiples of σ over this number.
-    pub precision: f64,
-    /// Whether frames hold too what ASE looks for: momenta, masses and the energy.
-    pub ase: bool,
-    /// Steps between two lines of `thermo.csv`.
-    pub thermo_every: u64,
-    /// Element symbol of the particles in files.
-    pub element: String,
-    /// Whether frames hold velocities.
-    pub velocities: bool,
-    /// Whether frames hold forces.
-    pub forces: bool,
-    /// Whether positions are written unwrapped; otherwise inside the box, with image flags.
-    pub unwrapped: bool,
-    /// Whether the sites of a molecule are folded into the box together.
-    pub whole: bool,
-    /// Lengths in the trajectory are those in σ times this factor.
-    pub length_scale: f64,
-}
+/// A number of which 0 in a file stands for none.
+mod zero_is_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The table `[checkpoint]`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Checkpoint {
-    /// Steps between two checkpoints.
-    pub every_steps: Option<u64>,
-    /// Wall-clock seconds between two checkpoints.
-    pub every_seconds: Option<f64>,
+    pub fn serialize<T, S>(number: &Option<T>, to: S) -> Result<S::Ok, S::Error>
+    where
+        T: Copy + Default + Serialize,
+        S: Serializer,
+    {
+        number.unwrap_or_default().serialize(to)
+    }
+
+    pub fn deserialize<'de, T, D>(from: D) -> Result<Option<T>, D::Error>
+    where
+        T: Default + PartialEq + Deserialize<'de>,
+        D: Deserializer<'de>,
+    {
+        T::deserialize(from).map(|number| Some(number).filter(|number| *number != T::default()))
+    }
 }
 
 lennard_core::options! {
-    /// The keys of `[output]`.
-    pub(crate) struct OutputKeys {
+    /// The table `[output]`. Where the format or the scene has no place for a value, there is none.
+    pub struct Output {
         /// Steps between two frames of the trajectory; 0 for no trajectory.
-        trajectory_every: u64 = 0, Whole(0, MOST_STEPS), in "steps";
+        trajectory_every with "zero_is_none": Option<u64> = None, as "`0`", Whole(0, MOST_STEPS), in "steps";
         /// Format of the trajectory. `xyz` is extended XYZ as text, and `xyz.gz` the same compressed; `lammps-dump` is the text of LAMMPS, and `xtc` has rounded positions alone.
         format: TrajectoryFormat = TrajectoryFormat::Xyz, Names(TrajectoryFormat::names);
         /// Positions in XTC are multiples of 1/`precision`, with format "xtc" alone.
@@ -54,9 +39,9 @@ lennard_core::options! {
         /// Steps between two samples of the thermodynamics, each a line of `thermo.csv`; the `every` of a `thermodynamics` observable is the same number.
         thermo_every: u64 = 10, Whole(1, MOST_STEPS), in "steps";
         /// Symbol of the particles in the files, for tools that know only elements.
-        element: Option<String> = None, else "`\"Ar\"`", Words("an element symbol, or \"X\"");
+        element skip "String::is_empty": String = "Ar".to_owned(), Words("an element symbol, or \"X\"");
         /// Whether frames hold velocities.
-        velocities: Option<bool> = None, else "`true`; `false` for \"xtc\", which has none", Flag;
+        velocities: bool = true, as "`true`; `false` for \"xtc\", which has none", Flag;
         /// Whether frames hold forces; not with "xtc".
         forces: bool = false, Flag;
         /// Positions as they moved, rather than folded into the box with image flags.
@@ -69,36 +54,28 @@ lennard_core::options! {
 }
 
 lennard_core::options! {
-    /// The keys of `[checkpoint]`. By default a killed run loses ten minutes at most, and a long run pays far below 1 %.
-    pub(crate) struct CheckpointKeys {
+    /// The table `[checkpoint]`. By default a killed run loses ten minutes at most, and a long run pays far below 1 %.
+    pub struct Checkpoint {
         /// Steps between two checkpoints; 0 for none.
-        every_steps: u64 = 0, Whole(0, MOST_STEPS), in "steps";
+        every_steps with "zero_is_none": Option<u64> = None, as "`0`", Whole(0, MOST_STEPS), in "steps";
         /// Wall-clock seconds between two checkpoints; 0 for none.
-        every_seconds: f64 = 600.0, Between(0.0, 1e9), in "s";
+        every_seconds with "zero_is_none": Option<f64> = Some(600.0), Between(0.0, 1e9), in "s";
     }
 }
 
 impl Output {
-    /// The same in another format, without what that format has no place for.
+    /// The same in another format, with the defaults of that format and without what it has no place for.
     #[must_use]
     pub fn in_format(self, format: TrajectoryFormat) -> Self {
         let spec = format.spec();
         Self {
             format,
-            ase: self.ase && spec.holds_ase,
+            precision: spec.limits.map(|_| self.precision.unwrap_or(lennard_io::DEFAULT_PRECISION)),
+            ase: spec.holds_ase.then(|| self.ase.unwrap_or(false)),
             velocities: self.velocities && spec.holds_vectors,
             forces: self.forces && spec.holds_vectors,
             length_scale: if spec.names_scale { self.length_scale } else { 1.0 },
             ..self
-        }
-    }
-}
-
-impl From<&Checkpoint> for CheckpointKeys {
-    fn from(checkpoint: &Checkpoint) -> Self {
-        Self {
-            every_steps: checkpoint.every_steps.unwrap_or(0),
-            every_seconds: checkpoint.every_seconds.unwrap_or(0.0),
         }
     }
 }
