@@ -14,8 +14,7 @@ use crate::own::OwnParts;
 
 /// The thermostats of the measured stages.
 pub(crate) fn measured_baths(scene: &Scene) -> Vec<&'static ThermostatSpec> {
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    measured.filter_map(|s| Some(s.thermostat.as_ref()?.spec())).collect()
+    scene.measured_stages().filter_map(|s| Some(s.thermostat.as_ref()?.spec())).collect()
 }
 
 /// The ensemble that a stage samples; `None` where its dynamics sample none that is known.
@@ -46,7 +45,7 @@ pub(crate) fn method(scene: &Scene, own: &OwnParts) -> Integrator {
 /// The temperature that the bath of the measured stages holds; `None` where they have none, or not all the same.
 #[must_use]
 pub fn held_temperature(scene: &Scene) -> Option<HeldTemperature> {
-    let mut measured = scene.stages.iter().filter(|s| s.measure);
+    let mut measured = scene.measured_stages();
     let first = measured.next()?;
     let options = first.thermostat.as_ref()?;
     let bath = options.spec();
@@ -67,7 +66,7 @@ pub(crate) fn measured_pressure(scene: &Scene) -> Option<Ramp> {
 
 /// The exchange of the measured stages, which all have the same.
 fn measured_exchange(scene: &Scene) -> Option<&ExchangeOptions> {
-    scene.stages.iter().find(|stage| stage.measure)?.exchange.as_ref()
+    scene.measured_stages().next()?.exchange.as_ref()
 }
 
 /// The observable that measured stages with an exchange have besides the ones of the scene.

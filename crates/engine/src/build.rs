@@ -12,7 +12,7 @@ use lennard_integrators::BondHolder;
 use lennard_integrators::fire::{self, FireOptions};
 use lennard_io::StartConfiguration;
 use lennard_observables::{BuildContext, ChangingBox, Confined, ObservableOptions, Thermodynamics};
-use lennard_scene::{Arrangement, ObservableTable, Scene, Stage};
+use lennard_scene::{Arrangement, ObservableTable, Scene};
 
 use crate::baths::{ensemble, held_temperature, measured_baths, measured_pressure};
 use crate::confinement::Confinement;
@@ -35,14 +35,12 @@ pub fn conditions<'a>(
     n_atoms: usize,
     mixture: Option<&'a Mixture>,
 ) -> Conditions<'a> {
-    let measured: Vec<&Stage> = scene.stages.iter().filter(|s| s.measure).collect();
-    let stages: Vec<&Stage> =
-        if measured.is_empty() { scene.stages.iter().collect() } else { measured };
-    let (mut temperature, mut dt) = (scene.system.temperature, scene.integrator.dt);
-    if !stages.is_empty() {
-        temperature = stages.iter().map(|s| s.temperature).fold(0.0, f64::max);
-        dt = stages.iter().map(|s| scene.stage_dt(s)).fold(0.0, f64::max);
-    }
+    let is_measured = scene.measured_stages().next().is_some();
+    let stages = scene.stages.iter().filter(|stage| stage.measure || !is_measured);
+    let highest = stages.clone().map(|stage| stage.temperature).reduce(f64::max);
+    let temperature = highest.unwrap_or(scene.system.temperature);
+    let largest = stages.map(|stage| scene.stage_dt(stage)).reduce(f64::max);
+    let dt = largest.unwrap_or(scene.integrator.dt);
     Conditions { cell, n_atoms, temperature, dt, mixture }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use lennard_core::number::short;
 use lennard_core::{DVec3, PeriodicBox, System};
 use lennard_literature::freezing_lines_of;
-use lennard_scene::{Output, Scene, Stage};
+use lennard_scene::{ObservableTable, Output, Scene, Stage};
 
 use crate::Simulation;
 
@@ -99,8 +99,7 @@ impl Simulation {
     fn without_errors(&self, last: usize) -> Vec<String> {
         let scene = &self.scene;
         let dt = scene.stage_dt(&scene.stages[last]);
-        let measured = scene.stages.iter().filter(|stage| stage.measure);
-        let steps: u64 = measured.map(|stage| stage.steps).sum();
+        let steps = scene.measured_steps();
         let length = steps as f64 * dt;
         let rows = steps / scene.output.thermo_every;
         let temperature = self.temperature_of(last);
@@ -108,18 +107,12 @@ impl Simulation {
         if let Some(doubt) = doubt {
             return vec![format!("no mean will have an error: {}", doubt.reason(steps))];
         }
-        let short = scene.observables.iter().filter(|table| length < table.options.least_length());
-        let words =
-            |least: f64| format!("{length:.1} τ are measured where {least:.1} τ are needed");
-        short
-            .map(|table| {
-                format!(
-                    "{} will have no error: {}",
-                    table.options.name(),
-                    words(table.options.least_length())
-                )
-            })
-            .collect()
+        let too_short = |table: &ObservableTable| {
+            let (name, least) = (table.options.name(), table.options.least_length());
+            let words = format!("{length:.1} τ are measured where {least:.1} τ are needed");
+            (length < least).then(|| format!("{name} will have no error: {words}"))
+        };
+        scene.observables.iter().filter_map(too_short).collect()
     }
 }
 

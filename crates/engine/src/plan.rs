@@ -307,7 +307,7 @@ fn of_stage(stage: &Stage) -> impl Iterator<Item = PlanItem> {
 fn of_observables(scene: &Scene) -> Vec<PlanItem> {
     let rows = scene.output.thermo_every;
     let averages = format!("averages on every {rows}th step of measured stages");
-    let mut items = vec![item(THERMODYNAMICS, scene.stages.iter().any(|s| s.measure), averages)];
+    let mut items = vec![item(THERMODYNAMICS, scene.measured_stages().next().is_some(), averages)];
     let tables = scene.observables.iter();
     let named = tables.map(|table| (table.options.name(), table.every));
     let named: Vec<_> = named.filter(|(name, _)| *name != THERMODYNAMICS).collect();

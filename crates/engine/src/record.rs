@@ -88,7 +88,7 @@ fn compared(simulation: &Simulation) -> Result<Compared, Option<String>> {
     let described = scene.equation_of_state().map_err(Some)?;
     let thermodynamics = simulation.thermodynamics();
     let molecules = simulation.system.n_molecules();
-    let mut measured = scene.stages.iter().filter(|stage| stage.measure);
+    let mut measured = scene.measured_stages();
     if let Some(changing) = simulation.observable::<ChangingBox>() {
         let control = measured.find(|stage| !stage.is_ramp()).and_then(|s| s.barostat.as_ref());
         let on_the_way = || Some("not compared: pressure or temperature change on the way".into());

@@ -216,7 +216,7 @@ pub struct Addition<'a> {
 #[must_use]
 pub fn text_to_run(scene: &Scene) -> String {
     let mut marked = scene.clone();
-    let measures = scene.stages.iter().any(|stage| stage.measure);
+    let measures = scene.measured_stages().next().is_some();
     if let Some(last) = marked.stages.last_mut() {
         last.measure |= !measures;
     }

@@ -111,7 +111,7 @@ pub(crate) fn measures(scene: &Scene) -> Result<(), SceneError> {
         let allowed = "at least one `[[stage]]` with `name` and `steps`";
         return refuse("is missing", "no stage", allowed);
     }
-    if !scene.stages.iter().any(|stage| stage.measure) {
+    if scene.measured_stages().next().is_none() {
         let allowed = "`measure = true` in at least one stage";
         return refuse("has no measured stage", "measure = false in every stage", allowed);
     }
@@ -409,7 +409,7 @@ fn trajectory_fits(scene: &Scene, cell: PeriodicBox) -> Result<(), SceneError> {
 fn fits(scene: &Scene, cell: PeriodicBox, n_atoms: usize) -> Result<(), SceneError> {
     trajectory_fits(scene, cell)?;
     // Measured stages are alike, so one stands for all.
-    let measured = scene.stages.iter().find(|stage| stage.measure);
+    let measured = scene.measured_stages().next();
     let dt = measured.map_or(scene.integrator.dt, |stage| scene.stage_dt(stage));
     scene.contact_fits(&cell)?;
     let counts = scene.counts(n_atoms)?;

@@ -191,7 +191,7 @@ pub(crate) fn left_free(scene: &Scene) -> Vec<&'static str> {
                     }
                     "truncation.kind" | "truncation.r_cut" => !own_cutoff,
                     "integrator.dt" => {
-                        let mut measured = scene.stages.iter().filter(|s| s.measure).peekable();
+                        let mut measured = scene.measured_stages().peekable();
                         measured.peek().is_none() || measured.any(|s| s.dt.is_none())
                     }
                     _ => scene.kernel.kernel == Kernel::Auto,

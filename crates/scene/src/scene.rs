@@ -113,10 +113,21 @@ impl Scene {
         stage.dt.unwrap_or(self.integrator.dt)
     }
 
+    /// The stages that are measured. A scene that is run has one at least.
+    pub fn measured_stages(&self) -> impl DoubleEndedIterator<Item = &Stage> + Clone {
+        self.stages.iter().filter(|stage| stage.measure)
+    }
+
+    /// The steps of all measured stages together.
+    #[must_use]
+    pub fn measured_steps(&self) -> u64 {
+        self.measured_stages().map(|stage| stage.steps).sum()
+    }
+
     /// The stage that is measured, the last of them; the last stage where none is, and `None` without a stage.
     #[must_use]
     pub fn measured_stage(&self) -> Option<&Stage> {
-        self.stages.iter().rev().find(|stage| stage.measure).or(self.stages.last())
+        self.measured_stages().next_back().or(self.stages.last())
     }
 
     /// The steps of all stages together.

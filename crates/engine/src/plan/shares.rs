@@ -158,8 +158,7 @@ fn of_parts(simulation: &mut Simulation, bare: &mut Simulation) -> Result<Vec<Pa
         totals + if is_beyond_totals(want) { beyond.max(0.0) } else { 0.0 }
     };
     let steps = scene.total_steps() as f64;
-    let measured: u64 = scene.stages.iter().filter(|s| s.measure).map(|s| s.steps).sum();
-    let measured_every = |every: u64| measured as f64 / every as f64;
+    let measured_every = |every: u64| scene.measured_steps() as f64 / every as f64;
     let mut parts = vec![
         Part::new("energy and virial", steps / rows as f64, totals),
         Part::new("configurational temperature", measured_every(rows), with_laplacian - evaluation),

@@ -108,7 +108,7 @@ impl Scene {
     /// What trial particles need; `None` where the measured stages do not hold one temperature, and for molecules.
     fn insertion(&self, species: &SpeciesTable) -> Option<Insertion> {
         let wanted = self.observables.iter().any(|o| o.options.spec().needs_temperature);
-        let measured = self.stages.iter().find(|stage| stage.measure)?;
+        let measured = self.measured_stages().next()?;
         if !wanted || self.molecule.is_some() || !measured.holds_one_temperature() {
             return None;
         }

@@ -137,7 +137,7 @@ impl Scene {
     /// What the box of the measured stages keeps beside its particles and its volume; `None` at constant pressure.
     #[must_use]
     pub fn kept(&self) -> Option<Kept> {
-        let mut measured = self.stages.iter().filter(|stage| stage.measure);
+        let mut measured = self.measured_stages();
         if measured.clone().any(|stage| stage.barostat.is_some()) {
             return None;
         }
@@ -160,7 +160,7 @@ impl Scene {
         if is_another_fluid || self.confined_by().is_some() {
             return None;
         }
-        let temperature = self.stages.iter().rev().find(|s| s.measure)?.temperature;
+        let temperature = self.measured_stages().next_back()?.temperature;
         viscosity_near(density, temperature).map(|v| v.value)
     }
 
