@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use lennard_core::{DVec3, Exclusions, PeriodicBox, SpeciesTable};
+use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_scene::Scene;
 
 /// Two particles and their distance in σ.
@@ -26,62 +26,41 @@ impl ClosePair {
     }
 }
 
-/// σ_ab of pairs of particles.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sizes<'a> {
-    species: Option<&'a SpeciesTable>,
-    sigma: Vec<f64>,
-    largest: f64,
-}
-
-impl<'a> Sizes<'a> {
-    /// σ_ab = 1 for all.
-    pub const ONE: Sizes<'static> = Sizes { species: None, sigma: Vec::new(), largest: 1.0 };
-
-    /// Of the pairs of species of a scene.
-    #[must_use]
-    pub fn of(scene: &Scene, species: &'a SpeciesTable) -> Self {
-        if scene.mixture.is_none() {
-            return Self::ONE;
-        }
-        let n = species.n_species();
-        let sigma = |k: usize| scene.species_pair(k / n, k % n).sigma;
-        Self {
-            species: Some(species),
-            sigma: (0..n * n).map(sigma).collect(),
-            largest: scene.largest_sigma(),
-        }
-    }
-
-    /// σ_ab of two particles, in σ.
-    #[must_use]
-    pub fn between(&self, i: usize, j: usize) -> f64 {
-        self.species
-            .map_or(1.0, |species| self.sigma[species.of(i) * species.n_species() + species.of(j)])
-    }
-}
-
-/// The closest pair nearer than `within`, or `None`: O(N) through bins of that size. Distances are in units of σ_ab of each pair.
-///
-/// Positions that are not finite are left out, and so are excluded pairs.
+/// The closest pair of particles of a scene nearer than `within`, in units of σ_ab of each pair; excluded pairs are left out.
 #[must_use]
-pub fn closest_pair(
+pub(crate) fn closest_pair(
+    scene: &Scene,
+    species: &SpeciesTable,
     cell: &PeriodicBox,
     positions: &[DVec3],
-    exclusions: &Exclusions,
-    sizes: &Sizes<'_>,
     within: f64,
 ) -> Option<ClosePair> {
-    let mut bins = Bins::new(cell, within * sizes.largest);
+    let exclusions = scene.molecules().exclusions();
+    let n = species.n_species();
+    let sigma: Vec<f64> = (0..n * n).map(|k| scene.species_pair(k / n, k % n).sigma).collect();
+    let size = |i: usize, j: usize| {
+        (!exclusions.exclude(i, j)).then(|| sigma[species.of(i) * n + species.of(j)])
+    };
+    closest(cell, positions, size, scene.largest_sigma(), within)
+}
+
+/// The closest pair nearer than `within`, or `None`: O(N) through bins. Distances are in units of the size of each pair, of which
+/// `largest` is the largest. Pairs without a size are left out, and so are positions that are not finite.
+pub(crate) fn closest(
+    cell: &PeriodicBox,
+    positions: &[DVec3],
+    size: impl Fn(usize, usize) -> Option<f64>,
+    largest: f64,
+    within: f64,
+) -> Option<ClosePair> {
+    let mut bins = Bins::new(cell, within * largest);
     let mut best: Option<ClosePair> = None;
     for (j, r) in positions.iter().enumerate().filter(|(_, r)| r.is_finite()) {
-        let size = |i| (!exclusions.exclude(i, j)).then(|| sizes.between(i, j));
-        if let Some((i, distance)) = bins.nearest(positions, *r, size) {
-            let pair = ClosePair { i, j, distance, sigma: sizes.between(i, j) };
-            if pair.in_own_units() < best.map_or(within, |b| b.in_own_units()) {
-                best = Some(pair);
-            }
-        }
+        let nearest = bins.nearest(positions, *r, |i| size(i, j));
+        let pair = nearest
+            .and_then(|(i, distance)| Some(ClosePair { i, j, distance, sigma: size(i, j)? }));
+        let limit = best.map_or(within, |best| best.in_own_units());
+        best = pair.filter(|pair| pair.in_own_units() < limit).or(best);
         bins.insert(j as u32, *r);
     }
     best
@@ -158,10 +137,10 @@ mod tests {
         let cell = PeriodicBox::new(DVec3::new(10.0, 1e6, 10.0)).unwrap();
         let points =
             [DVec3::new(0.1, 5.0, 5.0), DVec3::new(9.8, 5.0, 5.0), DVec3::new(5.0, 5.0, f64::NAN)];
-        let closest = |within| closest_pair(&cell, &points, &Exclusions::NONE, &Sizes::ONE, within);
-        let pair = closest(0.5).unwrap();
+        let found = |within| closest(&cell, &points, |_, _| Some(1.0), 1.0, within);
+        let pair = found(0.5).unwrap();
         assert_eq!((pair.i, pair.j), (0, 1));
         assert!((pair.distance - 0.3).abs() < 1e-12);
-        assert_eq!(closest(0.2), None);
+        assert_eq!(found(0.2), None);
     }
 }

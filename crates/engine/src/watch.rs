@@ -2,7 +2,7 @@
 
 use lennard_core::{ForceError, IntegratorSpec, StepError};
 
-use crate::close_pairs::{Sizes, closest_pair};
+use crate::close_pairs::closest_pair;
 use crate::failure::{LARGEST_MOVE, PhysicsFailure, Symptom};
 use crate::watchdog::{self, Seen};
 use crate::{EngineError, Simulation};
@@ -85,9 +85,7 @@ impl Simulation {
             Symptom::NonFinite(ForceError::BeyondWall { particle, .. }) => Some(particle),
             _ => None,
         };
-        let sizes = Sizes::of(&self.scene, self.system.species());
-        let exclusions = self.system.molecules.exclusions();
-        let own = self.system.own();
+        let (own, species) = (self.system.own(), self.system.species());
         EngineError::Physics(Box::new(PhysicsFailure {
             step: state.step,
             time: state.time,
@@ -98,7 +96,7 @@ impl Simulation {
             symptom,
             // Several ranks would have to tell each other all positions.
             closest: own.team().map_or_else(
-                || closest_pair(&state.cell, &state.positions, &exclusions, &sizes, 0.9),
+                || closest_pair(&self.scene, species, &state.cell, &state.positions, 0.9),
                 |_| None,
             ),
             non_finite: own.count(state.positions.iter().filter(|r| !r.is_finite()).count()),

@@ -175,17 +175,15 @@ pub(super) fn half_crystal(
 
 #[cfg(test)]
 mod tests {
-    use lennard_core::Exclusions;
-
     use super::*;
-    use crate::close_pairs::{Sizes, closest_pair};
+    use crate::close_pairs::closest;
 
     #[test]
     fn random_points_keep_their_distance_even_in_the_dense_liquid() {
         let cell = PeriodicBox::cubic_for_density(400, 0.8442).unwrap();
         let points = random_points(&cell, 400, Streams::new(5)).unwrap();
         let spacing = RANDOM_SPACING / 0.8442_f64.cbrt();
-        let closest = closest_pair(&cell, &points, &Exclusions::NONE, &Sizes::ONE, 1.5).unwrap();
+        let closest = closest(&cell, &points, |_, _| Some(1.0), 1.0, 1.5).unwrap();
         assert!(closest.distance >= spacing, "{closest:?}");
         // The O(N²) answer agrees.
         let mut brute = f64::INFINITY;

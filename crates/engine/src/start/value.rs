@@ -4,7 +4,7 @@ use lennard_core::random::Streams;
 use lennard_core::{DVec3, PeriodicBox, SpeciesTable};
 use lennard_scene::Scene;
 
-use crate::close_pairs::{ClosePair, Sizes, closest_pair};
+use crate::close_pairs::{ClosePair, closest_pair};
 
 /// Where the particles are, and how fast, before the first step.
 #[derive(Debug, Clone)]
@@ -38,9 +38,7 @@ impl Start {
 
     /// The closest pair nearer than `within`, in units of σ_ab of each pair.
     pub(super) fn closest(&self, scene: &Scene, within: f64) -> Option<ClosePair> {
-        let exclusions = scene.molecules().exclusions();
-        let sizes = Sizes::of(scene, &self.species);
-        closest_pair(&self.cell, &self.positions, &exclusions, &sizes, within)
+        closest_pair(scene, &self.species, &self.cell, &self.positions, within)
     }
 }
 
