@@ -279,7 +279,7 @@ impl Bench {
             }
             Timed::Engine(scene, _, true) => {
                 let mut simulation = start.settled((*scene).clone())?;
-                let files = RunFiles::create(Some(scratch), &simulation)?;
+                let files = RunFiles::open(Some(scratch), &simulation, None)?;
                 let end = simulation.state.step + self.steps;
                 let stop = Operation::new(Action::Call, Trigger::At(end));
                 let schedule = Schedule::of_output(&simulation.scene).with(stop);
@@ -300,7 +300,7 @@ impl Bench {
     ) -> Result<[Vec<f64>; 2], Failure> {
         let simulation = self.start.settled(off.clone())?;
         let save = || -> Result<(), Failure> {
-            let files = RunFiles::create(Some(scratch), &simulation)?;
+            let files = RunFiles::open(Some(scratch), &simulation, None)?;
             let checkpoint = capture(&simulation, files.marks(), &Past::default());
             let path = scratch.join("checkpoint-000000000000.lennard");
             Ok(lennard_io::write_checkpoint(&path, &checkpoint)?)

@@ -251,7 +251,7 @@ impl Checkpointer {
                 Ok(())
             }
         };
-        made(own, written.map_err(EngineError::from))?;
+        made(own, written)?;
         self.last_written = Instant::now();
         self.last_step = Some(simulation.state.step);
         Ok(())

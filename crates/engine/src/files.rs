@@ -170,52 +170,44 @@ pub(crate) fn style(simulation: &Simulation) -> FrameStyle {
 
 impl RunFiles {
     /// Starts the files of a fresh run in an existing, empty folder that no other process works in; without a folder beside rank 0.
-    ///
-    /// # Errors
-    /// [`EngineError`] where a file cannot be written.
-    pub fn create(folder: Option<&Path>, simulation: &Simulation) -> Result<Self, EngineError> {
-        let described = write_descriptions(folder, simulation);
-        let style = style_of_frames(simulation);
-        let format = simulation.scene.output.format;
-        let files = |folder: &Path| {
-            let thermo = TableWriter::create(&folder.join(THERMO), &thermo_columns(simulation))?;
-            let trajectory = simulation.scene.output.trajectory_every.map(|_| {
-                TrajectoryWriter::create(&folder.join(format.spec().file), format, &style)
-            });
-            Ok(Files { folder: folder.to_owned(), thermo, trajectory: trajectory.transpose()? })
-        };
-        let at = described.and_then(|()| folder.map(files).transpose());
-        Ok(Self { at: made(simulation.system.own(), at.map_err(EngineError::from))? })
-    }
-
-    /// Goes on with the files of an interrupted run, cut back to where its checkpoint was.
+    /// With marks, it goes on with the files of an interrupted run, cut back to where its checkpoint was.
     ///
     /// # Errors
     /// [`EngineError`] where a file is shorter than its mark or cannot be written.
-    pub fn resume(
+    pub fn open(
         folder: Option<&Path>,
         simulation: &Simulation,
-        marks: Marks,
+        marks: Option<Marks>,
     ) -> Result<Self, EngineError> {
-        let style = style_of_frames(simulation);
-        let format = simulation.scene.output.format;
+        let described = match marks {
+            None => write_descriptions(folder, simulation),
+            Some(_) => Ok(()),
+        };
+        let (style, format) = (style_of_frames(simulation), simulation.scene.output.format);
         let columns = thermo_columns(simulation);
         let files = |folder: &Path| {
-            let thermo = TableWriter::resume_at(&folder.join(THERMO), &columns, marks.thermo)?;
-            let path = folder.join(format.spec().file);
-            let trajectory = match marks.trajectory {
-                None => None,
-                Some(mark) if mark == FileMark::default() && !path.exists() => {
-                    // Readers of another format take lengths for other units.
-                    let _ = std::fs::remove_file(folder.join(TOPOLOGY));
-                    Some(TrajectoryWriter::create(&path, format, &style)?)
-                }
-                Some(mark) => Some(TrajectoryWriter::resume_at(&path, format, &style, mark)?),
+            let (file, path) = (folder.join(THERMO), folder.join(format.spec().file));
+            let thermo = match marks {
+                None => TableWriter::create(&file, &columns)?,
+                Some(marks) => TableWriter::resume_at(&file, &columns, marks.thermo)?,
             };
-            Ok::<_, WriteError>(Files { folder: folder.to_owned(), thermo, trajectory })
+            let mark = marks.and_then(|marks| marks.trajectory);
+            let trajectory = simulation.scene.output.trajectory_every.map(|_| match mark {
+                Some(mark) if mark != FileMark::default() || path.exists() => {
+                    TrajectoryWriter::resume_at(&path, format, &style, mark)
+                }
+                _ => {
+                    if marks.is_some() {
+                        // Readers of another format take lengths for other units.
+                        let _ = std::fs::remove_file(folder.join(TOPOLOGY));
+                    }
+                    TrajectoryWriter::create(&path, format, &style)
+                }
+            });
+            Ok(Files { folder: folder.to_owned(), thermo, trajectory: trajectory.transpose()? })
         };
-        let at = folder.map(files).transpose();
-        Ok(Self { at: made(simulation.system.own(), at.map_err(EngineError::from))? })
+        let at: Result<_, WriteError> = described.and_then(|()| folder.map(files).transpose());
+        Ok(Self { at: made(simulation.system.own(), at)? })
     }
 
     /// Writes what describes the run anew.
@@ -309,40 +301,25 @@ impl RunFiles {
         Ok(precision.and_then(|kept| less_precision(&simulation.scene.output, kept)))
     }
 
-    /// Writes a state into a file of its own.
+    /// Writes the state of a simulation into a file of its own, or an `earlier` one, which has no forces.
     ///
     /// # Errors
     /// [`WriteError`] where it cannot be written.
-    pub fn write_state(&self, name: &str, simulation: &Simulation) -> Result<(), WriteError> {
-        let style = style_of_last(simulation);
-        self.write_one(name, &style, &simulation.state, &header(simulation))
-    }
-
-    /// Writes an earlier state of a simulation, which has no forces, into a file of its own.
-    ///
-    /// # Errors
-    /// [`WriteError`] where it cannot be written.
-    pub fn write_earlier_state(
+    pub fn write_state(
         &self,
         name: &str,
         simulation: &Simulation,
-        state: &State,
+        earlier: Option<&State>,
     ) -> Result<(), WriteError> {
-        let style = FrameStyle { velocities: true, forces: false, ..style_of_last(simulation) };
-        self.write_one(name, &style, state, &[])
-    }
-
-    fn write_one(
-        &self,
-        name: &str,
-        style: &FrameStyle,
-        state: &State,
-        extra: &[(&str, f64)],
-    ) -> Result<(), WriteError> {
-        let frame = Frame { state, extra };
+        let last = style_of_last(simulation);
+        let (style, extra) = match earlier {
+            None => (last, header(simulation)),
+            Some(_) => (FrameStyle { velocities: true, forces: false, ..last }, Vec::new()),
+        };
+        let frame = Frame { state: earlier.unwrap_or(&simulation.state), extra: &extra };
         match self.folder() {
-            Some(folder) => lennard_io::write_frame(&folder.join(name), style, &frame),
-            None => lennard_io::give_frame(TrajectoryFormat::Xyz, style, &frame),
+            Some(folder) => lennard_io::write_frame(&folder.join(name), &style, &frame),
+            None => lennard_io::give_frame(TrajectoryFormat::Xyz, &style, &frame),
         }
     }
 

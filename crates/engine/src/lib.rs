@@ -56,7 +56,7 @@ pub use own::OwnParts;
 pub use plan::{Network, OnRanks, PATIENCE, Plan, PlanItem, Ranks, plan, watching_seconds};
 pub use resume::{ResumeOptions, Resumed, restored, resume, resume_on, way_on};
 pub use room::NoRoom;
-pub use run::{Outcome, go_on, go_on_beside, run, run_beside};
+pub use run::{Outcome, go_on, run};
 pub use schedule::{Action, Observer, Operation, SET_ASIDE_EVERY, Schedule, Trigger};
 pub use session::{Addition, text_to_run};
 pub use simulation::{Recording, Results, Simulation, StageRun, Threads, Timers};

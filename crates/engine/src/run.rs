@@ -1,6 +1,5 @@
 //! One run from scene to finished folder, in one go or in several.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::{DVec3, State};
@@ -30,17 +29,28 @@ pub struct Outcome {
     pub tables: Vec<Table>,
 }
 
-/// Runs a simulation to its end and writes its folder, which this process holds and which is empty.
+/// Runs a simulation to its end and writes its folder, which this process holds and which is empty. A rank beside rank 0 has no
+/// folder, and takes part in what rank 0 writes.
 ///
 /// # Errors
-/// [`EngineError`] where physics stops it or a file cannot be written. What is whole stays;
+/// [`EngineError`] where physics stops it or a file cannot be written, by rank 0 too. What is whole stays;
 /// `run.json` then says `"finished": false`.
-pub fn run(
+///
+/// # Panics
+/// Where there is no folder, and no ranks share the simulation: that is a bug of the caller.
+pub fn run<'a>(
     simulation: &mut Simulation,
-    folder: &OutputFolder,
+    folder: impl Into<Option<&'a OutputFolder>>,
     control: Control<'_>,
 ) -> Result<Outcome, EngineError> {
-    start(simulation, Some(folder), control)
+    let (started, folder) = (Instant::now(), folder.into());
+    assert!(folder.is_some() || simulation.team().is_some(), "a folder, or a rank beside rank 0");
+    if let Some(folder) = folder {
+        folder.remove_half_written();
+    }
+    let files = RunFiles::open(folder.map(OutputFolder::path), simulation, None)?;
+    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
+    drive(simulation, Recorder::new(simulation, folder, files, past, started), control)
 }
 
 /// Goes on with a run that [`crate::resume()`] has brought back. Its growing files are cut back to the
@@ -48,70 +58,26 @@ pub fn run(
 ///
 /// # Errors
 /// As [`run`].
-pub fn go_on(
-    resumed: &mut Resumed,
-    folder: &OutputFolder,
-    control: Control<'_>,
-) -> Result<Outcome, EngineError> {
-    go_on_with(resumed, Some(folder), control)
-}
-
-/// As [`run`], on a rank beside rank 0, which writes the files; `stop` is set from outside to stop all ranks.
-///
-/// # Errors
-/// [`EngineError`] where physics stops the run, as on all ranks, and where rank 0 cannot write.
 ///
 /// # Panics
-/// Where the simulation is not shared: that is a bug of the caller.
-pub fn run_beside(simulation: &mut Simulation, stop: &AtomicBool) -> Result<Ending, EngineError> {
-    assert!(simulation.team().is_some(), "the simulation is shared");
-    let control = Control { stop, deadline: None, progress: &mut () };
-    Ok(start(simulation, None, control)?.ending)
-}
-
-/// As [`go_on`], on a rank beside rank 0.
-///
-/// # Errors
-/// As [`run_beside`].
-///
-/// # Panics
-/// As [`run_beside`].
-pub fn go_on_beside(resumed: &mut Resumed, stop: &AtomicBool) -> Result<Ending, EngineError> {
-    assert!(resumed.simulation.team().is_some(), "the simulation is shared");
-    let control = Control { stop, deadline: None, progress: &mut () };
-    Ok(go_on_with(resumed, None, control)?.ending)
-}
-
-fn start(
-    simulation: &mut Simulation,
-    folder: Option<&OutputFolder>,
-    control: Control<'_>,
-) -> Result<Outcome, EngineError> {
-    let started = Instant::now();
-    if let Some(folder) = folder {
-        folder.remove_half_written();
-    }
-    let files = RunFiles::create(folder.map(OutputFolder::path), simulation)?;
-    let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
-    drive(simulation, Recorder::new(simulation, folder, files, past, started), control)
-}
-
-fn go_on_with(
+/// As [`run`].
+pub fn go_on<'a>(
     resumed: &mut Resumed,
-    folder: Option<&OutputFolder>,
+    folder: impl Into<Option<&'a OutputFolder>>,
     control: Control<'_>,
 ) -> Result<Outcome, EngineError> {
-    let started = Instant::now();
+    let (started, folder) = (Instant::now(), folder.into());
     let Resumed { simulation, marks, past, .. } = resumed;
+    assert!(folder.is_some() || simulation.team().is_some(), "a folder, or a rank beside rank 0");
     let path = folder.map(OutputFolder::path);
-    let files = RunFiles::resume(path, simulation, *marks)?;
+    let files = RunFiles::open(path, simulation, Some(*marks))?;
     // First of all, since the scene in it may have more steps than before, or another instruction set.
     Checkpointer::new(path, &simulation.scene.checkpoint)
         .write_unwatched(simulation, *marks, past)?;
     if let Some(folder) = folder {
         folder.remove_half_written();
     }
-    made(simulation.system.own(), files.refresh(simulation).map_err(EngineError::from))?;
+    made(simulation.system.own(), files.refresh(simulation))?;
     drive(simulation, Recorder::new(simulation, folder, files, past.clone(), started), control)
 }
 
@@ -121,7 +87,7 @@ pub(crate) fn write_whole(
     folder: &OutputFolder,
     started: Instant,
 ) -> Result<Outcome, EngineError> {
-    let mut files = RunFiles::create(Some(folder.path()), simulation)?;
+    let mut files = RunFiles::open(Some(folder.path()), simulation, None)?;
     files.write_kept_rows(simulation)?;
     let past = Past { remarks: simulation.remarks.clone(), ..Past::default() };
     let recorder = Recorder::new(simulation, Some(folder), files, past, started);
@@ -222,9 +188,9 @@ impl<'a> Recorder<'a> {
                 failure.kept.push(format!("saved: {} (step {step}{words})", path.display()));
             }
         };
-        let failed = self.files.write_state("failed.xyz", simulation);
+        let failed = self.files.write_state("failed.xyz", simulation, None);
         keep("failed.xyz", &simulation.state, "", failed);
-        let before = self.files.write_earlier_state("before-failure.xyz", simulation, &self.before);
+        let before = self.files.write_state("before-failure.xyz", simulation, Some(&self.before));
         keep("before-failure.xyz", &self.before, ", before it", before);
         if let Some(folder) = self.files.folder()
             && let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
@@ -252,7 +218,7 @@ impl<'a> Recorder<'a> {
             // Before the tables, so that none is there that no record lists.
             let mut written = self.write_unfinished(simulation, listed.clone(), None);
             written = written.and_then(|()| Ok(self.files.write_tables(&tables)?));
-            let last = self.files.write_state("final.xyz", simulation);
+            let last = self.files.write_state("final.xyz", simulation, None);
             made(simulation.system.own(), written.and(last.map_err(EngineError::from)))?;
         }
         simulation.timers.write += clock.elapsed();
@@ -260,8 +226,7 @@ impl<'a> Recorder<'a> {
         let (frames, remarks) = (self.files.frames(), &self.past.remarks);
         let mut record = record::finished(simulation, &findings, wall, frames, finished, remarks);
         record.tables = if finished { listed } else { self.tables() };
-        let written = self.files.write_record(&record).map_err(EngineError::from);
-        made(simulation.system.own(), written)?;
+        made(simulation.system.own(), self.files.write_record(&record))?;
         Ok(Outcome { ending, record, tables })
     }
 }
@@ -290,7 +255,7 @@ impl Writer for Recorder<'_> {
                 Ok(())
             });
         }
-        let written = made(simulation.system.own(), written.map_err(EngineError::from));
+        let written = made(simulation.system.own(), written);
         written.inspect_err(|_| {
             // What cannot be written now is written when the run goes on: where there is room for a checkpoint,
             // not a step is lost. Where there is none, the last one is as good as before.
@@ -311,8 +276,7 @@ impl Writer for Recorder<'_> {
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> Result<(), EngineError> {
         let clock = Instant::now();
-        let marks = self.files.synced_marks().map_err(EngineError::from);
-        let marks = made(simulation.system.own(), marks)?;
+        let marks = made(simulation.system.own(), self.files.synced_marks())?;
         let past = self.past_until_now();
         self.checkpoints.write(simulation, marks, &past)?;
         simulation.timers.write += clock.elapsed();

@@ -76,6 +76,9 @@ pub(crate) fn alike<T>(
 }
 
 /// [`alike`], of what rank 0 made or wrote.
-pub(crate) fn made<T>(own: &Own, made: Result<T, EngineError>) -> Result<T, EngineError> {
-    alike(own.team(), made)
+pub(crate) fn made<T, E: Into<EngineError>>(
+    own: &Own,
+    made: Result<T, E>,
+) -> Result<T, EngineError> {
+    alike(own.team(), made.map_err(E::into))
 }

@@ -5,8 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use lennard_core::{Team, team_of_threads};
 use lennard_engine::{
-    Control, Ending, EngineError, Progress, ResumeOptions, go_on, go_on_beside, prepare_on,
-    resume_on, run, run_beside,
+    Control, Ending, EngineError, Progress, ResumeOptions, go_on, prepare_on, resume_on, run,
 };
 use lennard_io::{Existing, create_named_folder};
 
@@ -54,17 +53,13 @@ fn on_rank(case: Case<'_>, folder: &Path, until: u64, team: Option<&Team>) -> En
     let mut progress = AskToStop(until, &stop);
     let options = ResumeOptions::default();
     let prepared = || prepare_on(common::scene(case.0, case.1), team);
-    if team.is_some_and(|team| !team.leads()) {
-        return match goes_on {
-            true => go_on_beside(&mut resume_on(folder, &options, team)?, &stop),
-            false => run_beside(&mut prepared()?, &stop),
-        };
-    }
-    let held = create_named_folder(folder, Existing::Keep).unwrap();
-    let control = Control { stop: &stop, deadline: None, progress: &mut progress };
+    let leads = team.is_none_or(Team::leads);
+    let held = leads.then(|| create_named_folder(folder, Existing::Keep).unwrap());
+    let progress: &mut dyn Progress = if leads { &mut progress } else { &mut () };
+    let control = Control { stop: &stop, deadline: None, progress };
     let outcome = match goes_on {
-        true => go_on(&mut resume_on(folder, &options, team)?, &held, control)?,
-        false => run(&mut prepared()?, &held, control)?,
+        true => go_on(&mut resume_on(folder, &options, team)?, held.as_ref(), control)?,
+        false => run(&mut prepared()?, held.as_ref(), control)?,
     };
     let ranks = outcome.record.performance.ranks;
     assert_eq!(ranks.map(|r| r.ranks), team.map(|t| t.ranks() as u64));
@@ -391,16 +386,11 @@ fn a_disk_that_takes_no_more_ends_all_ranks_and_leaves_the_last_checkpoint_whole
     let told = team_of_threads(3, |team| {
         assert!(!team.any(false));
         let mut simulation = prepare_on(common::scene(case.0, case.1), Some(&team)).unwrap();
-        let error = match team.leads() {
-            true => {
-                let held = create_named_folder(&folder, Existing::Keep).unwrap();
-                let control =
-                    Control { stop: &stop, deadline: None, progress: &mut Block(&folder) };
-                run(&mut simulation, &held, control).err()
-            }
-            false => run_beside(&mut simulation, &stop).err(),
-        };
-        let error = error.expect("a failed write");
+        let held = team.leads().then(|| create_named_folder(&folder, Existing::Keep).unwrap());
+        let (mut block, mut nothing) = (Block(&folder), ());
+        let progress: &mut dyn Progress = if team.leads() { &mut block } else { &mut nothing };
+        let control = Control { stop: &stop, deadline: None, progress };
+        let error = run(&mut simulation, held.as_ref(), control).err().expect("a failed write");
         assert_eq!(error.exit_code(), 1);
         error.to_string()
     });

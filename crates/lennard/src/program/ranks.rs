@@ -1,10 +1,9 @@
 //! Several ranks behind one command line: rank 0 writes and prints, and no rank goes on where another one failed.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use lennard_core::Team;
-use lennard_engine::{Ending, EngineError, RanksError};
+use lennard_engine::{Control, Ending, EngineError, Outcome, RanksError};
 
 use crate::program::commands::on_threads;
 use crate::program::failure::{DONE, Failure, STOPPED};
@@ -66,13 +65,14 @@ pub fn beside(
     team: Option<&Team>,
     threads: usize,
     signals: &Signals,
-    steps: impl FnOnce(&AtomicBool) -> Result<Ending, EngineError> + Send,
+    steps: impl FnOnce(Control<'_>) -> Result<Outcome, EngineError> + Send,
 ) -> Result<u8, Failure> {
     signals.under_way();
     let ended = on_threads(threads, || {
-        steps(signals.stop()).map_err(|error| failed(team, error, Path::new("")))
+        let control = Control { stop: signals.stop(), deadline: None, progress: &mut () };
+        steps(control).map_err(|error| failed(team, error, Path::new("")))
     });
-    match ended {
+    match ended.map(|outcome| outcome.ending) {
         Ok(Ending::Finished) => Ok(DONE),
         Ok(Ending::Stopped | Ending::OutOfTime) => Ok(STOPPED),
         // Rank 0 tells.

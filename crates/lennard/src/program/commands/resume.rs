@@ -1,6 +1,5 @@
 //! `lennard resume`: a run goes on from its checkpoint, to the bit.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use lennard_core::Team;
@@ -53,7 +52,7 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
     let threads =
         ranks::threads(team, args.threads, |asked| threads(asked, resumed.simulation.system.len()));
     let Some(folder) = folder else {
-        let steps = |stop: &AtomicBool| lennard_engine::go_on_beside(&mut resumed, stop);
+        let steps = |control: Control<'_>| lennard_engine::go_on(&mut resumed, None, control);
         return ranks::beside(team, threads, &signals, steps);
     };
     let simulation = &resumed.simulation;
@@ -77,6 +76,6 @@ pub fn resume_on(args: &ResumeArgs, team: Option<&Team>) -> Result<u8, Failure> 
         Running { team, folder: &folder, threads, stop: signals.stop(), deadline, total, watch };
     let page = watch.map(|cell| LivePage::new(folder.path(), cell));
     let display = Display::new(args.control.quiet).watching(page);
-    let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &folder, control);
+    let work = |control: Control<'_>| lennard_engine::go_on(&mut resumed, &*folder, control);
     run.to_its_end(display, work, args.json, &args.control)
 }

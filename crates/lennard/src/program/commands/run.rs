@@ -53,7 +53,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         )
     };
     let Some(folder) = ranks::made_by_first(team, claim)? else {
-        let steps = |stop: &AtomicBool| lennard_engine::run_beside(&mut simulation, stop);
+        let steps = |control: Control<'_>| lennard_engine::run(&mut simulation, None, control);
         return ranks::beside(team, threads, &signals, steps);
     };
     if !quiet {
@@ -74,7 +74,7 @@ pub fn run_on(args: &RunArgs, team: Option<&Team>) -> Result<u8, Failure> {
         total: simulation.scene.total_steps(),
         watch: args.watch.then_some(simulation.state.cell),
     };
-    let work = |control: Control<'_>| lennard_engine::run(&mut simulation, &folder, control);
+    let work = |control: Control<'_>| lennard_engine::run(&mut simulation, &*folder, control);
     run.to_its_end(display, work, args.scene.json, &args.control)
 }
 
