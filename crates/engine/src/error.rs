@@ -156,29 +156,38 @@ pub enum ResumeError {
     /// There is no second checkpoint.
     #[error("{} holds one checkpoint only: there is no older one to go on from", .0.display())]
     NoOlder(PathBuf),
-    /// Another version of the program wrote it.
-    #[error("{}: it was written by version {found} of this program; this is version {}, whose steps may have other bits\n  go on with version {found}, or start a new run from the state in it", checkpoint.display(), env!("CARGO_PKG_VERSION"))]
-    OtherProgram {
+    /// No run of this program goes on from it.
+    #[error("{}: {why}", checkpoint.display())]
+    Unfit {
         /// The checkpoint.
         checkpoint: PathBuf,
+        /// Why.
+        why: Unfit,
+    },
+}
+
+/// Why no run goes on from a checkpoint that is whole.
+#[derive(Debug, thiserror::Error)]
+pub enum Unfit {
+    /// Another version of the program wrote it.
+    #[error("it was written by version {found} of this program; this is version {}, whose steps may have other bits\n  go on with version {found}, or start a new run from the state in it", env!("CARGO_PKG_VERSION"))]
+    OtherProgram {
         /// The version that wrote it.
         found: String,
     },
     /// The folder's scene is another one.
-    #[error("{}: it belongs to another scene than {}: {difference}\n  put the scene file back as the run wrote it, or start a new run from the changed scene", checkpoint.display(), scene.display())]
+    #[error("it belongs to another scene than {}: {difference}\n  put the scene file back as the run wrote it, or start a new run from the changed scene", scene.display())]
     OtherScene {
-        /// The checkpoint.
-        checkpoint: PathBuf,
         /// The scene file.
         scene: PathBuf,
         /// Where they differ.
         difference: String,
     },
     /// Another instruction set would be used.
-    #[error("{}: it was made with the instruction set {recorded}; {here}, which gives other bits\n  {advice}", checkpoint.display())]
+    #[error(
+        "it was made with the instruction set {recorded}; {here}, which gives other bits\n  {advice}"
+    )]
     OtherIsa {
-        /// The checkpoint.
-        checkpoint: PathBuf,
         /// The set that was used.
         recorded: String,
         /// What is so on this machine.
@@ -187,13 +196,8 @@ pub enum ResumeError {
         advice: String,
     },
     /// It is whole and does not fit this program: a bug, or a file made by hand.
-    #[error("{}: it does not fit its own scene: {reason}", checkpoint.display())]
-    DoesNotFit {
-        /// The checkpoint.
-        checkpoint: PathBuf,
-        /// What does not fit.
-        reason: String,
-    },
+    #[error("it does not fit its own scene: {0}")]
+    OwnScene(String),
 }
 
 /// The command that starts the run of a folder again, elsewhere: no command replaces the scene that it reads.

@@ -44,7 +44,7 @@ pub use build::{
 pub use checkpointing::{Past, capture, snapshot};
 pub use confinement::Confinement;
 pub use energy::{EnergyReport, Evaluated, KineticSource, evaluate_energy};
-pub use error::{EngineError, RanksError, ResumeError, StartError, again};
+pub use error::{EngineError, RanksError, ResumeError, StartError, Unfit, again};
 pub use failure::{PhysicsFailure, Symptom};
 pub use files::{Marks, RunFiles};
 pub use follower::{

@@ -11,7 +11,7 @@ use lennard_scene::Scene;
 
 use crate::build;
 use crate::checkpointing::{self, Past};
-use crate::error::{RanksError, ResumeError, again};
+use crate::error::{RanksError, ResumeError, Unfit, again};
 use crate::files::Marks;
 use crate::names::{SCENE, THERMO};
 use crate::own::OwnParts;
@@ -77,7 +77,6 @@ pub fn resume_on(
 ) -> Result<Resumed, EngineError> {
     let loaded = together::alike(team, loaded(folder, options, team))?;
     let Loaded { path, checkpoint, scene, marks } = loaded;
-    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
     let mut overrides = Vec::new();
     if options.more_steps > 0 {
         let last = scene.stages.len() - 1;
@@ -93,8 +92,8 @@ pub fn resume_on(
     }
     let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none(), team };
     let (mut simulation, remark) = saved.with_isa(overrides, options.isa.as_deref())?;
-    let past = reinstated(&mut simulation, &checkpoint);
-    let mut past = together::alike(team, past.map_err(|reason| misfit(reason).into()))?;
+    let past = saved.reinstated(&mut simulation).map_err(EngineError::from);
+    let mut past = together::alike(team, past)?;
     past.remarks.extend(remark);
     Ok(Resumed { simulation, marks, past, checkpoint: path })
 }
@@ -114,19 +113,19 @@ fn loaded(
     team: Option<&Team>,
 ) -> Result<Loaded, EngineError> {
     let (path, mut checkpoint) = load(folder, options.older, team)?;
-    same_program(&checkpoint, &path)?;
-    let misfit = |reason: String| ResumeError::DoesNotFit { checkpoint: path.clone(), reason };
+    let saved = Saved { checkpoint: &checkpoint, path: &path, own: &OwnParts::none(), team };
+    saved.is_of_this_program()?;
     let name = path.display().to_string();
-    let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| misfit(e.to_string()))?;
-    same_scene(&folder.join(SCENE), &scene, &path)?;
+    let scene = Scene::parse(&checkpoint.scene, &name, &[]).map_err(|e| saved.misfit(e))?;
+    saved.is_of_scene(&folder.join(SCENE), &scene)?;
     let mark = |file: &str| checkpoint.metadata.files.get(file).copied();
-    let thermo =
-        mark(THERMO).ok_or_else(|| misfit(format!("it does not say how long {THERMO} was")))?;
+    let thermo = mark(THERMO)
+        .ok_or_else(|| saved.misfit(format!("it does not say how long {THERMO} was")))?;
     let before = mark(scene.output.format.spec().file);
     if scene.output.trajectory_every.is_some() != before.is_some() {
         let file = scene.output.format.spec().file;
         let reason = format!("scene and checkpoint disagree whether there is a {file}");
-        return Err(misfit(reason).into());
+        return Err(saved.misfit(reason).into());
     }
     let scene = with_output(scene, &options.output)?;
     let file = scene.output.format.spec().file;
@@ -151,38 +150,11 @@ pub fn restored(
     path: &Path,
     own: &OwnParts,
 ) -> Result<Simulation, EngineError> {
-    same_program(checkpoint, path)?;
     let saved = Saved { checkpoint, path, own, team: None };
+    saved.is_of_this_program()?;
     let (mut simulation, _) = saved.with_isa(Vec::new(), None)?;
-    let past = reinstated(&mut simulation, checkpoint)
-        .map_err(|reason| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason })?;
-    simulation.remarks = past.remarks;
+    simulation.remarks = saved.reinstated(&mut simulation)?.remarks;
     Ok(simulation)
-}
-
-/// Puts the arrays of a checkpoint into a simulation that was built for it, or says why they do not fit.
-fn reinstated(simulation: &mut Simulation, checkpoint: &Checkpoint) -> Result<Past, String> {
-    let archive = &checkpoint.archive;
-    let fits = checkpointing::check_particles(archive, simulation.state.len());
-    let others = simulation.team().is_some_and(|team| team.any(fits.is_err()));
-    fits.map_err(|e| e.to_string())?;
-    if others {
-        return Err(RanksError::Elsewhere.to_string());
-    }
-    let past = checkpointing::reinstate(simulation, checkpoint).map_err(|e| e.to_string())?;
-    if simulation.state.step != checkpoint.metadata.step {
-        return Err("its state belongs to another step".into());
-    }
-    Ok(past)
-}
-
-/// Refuses a checkpoint of another version of the program.
-fn same_program(checkpoint: &Checkpoint, path: &Path) -> Result<(), ResumeError> {
-    let found = &checkpoint.metadata.program_version;
-    if found == env!("CARGO_PKG_VERSION") {
-        return Ok(());
-    }
-    Err(ResumeError::OtherProgram { checkpoint: path.to_owned(), found: found.clone() })
 }
 
 fn load(
@@ -242,38 +214,6 @@ fn with_output(mut scene: Scene, changes: &[(String, String)]) -> Result<Scene, 
     Ok(Scene::parse(&scene.resolved_toml(), &name, changes)?)
 }
 
-/// Refuses a checkpoint that was put beside the scene of another run. What a resumed run may have changed may differ: the number
-/// of steps of the last stage, the instruction set, and what is written.
-fn same_scene(file: &Path, of_checkpoint: &Scene, checkpoint: &Path) -> Result<(), EngineError> {
-    let other = |difference: String| ResumeError::OtherScene {
-        checkpoint: checkpoint.to_owned(),
-        scene: file.to_owned(),
-        difference,
-    };
-    let text = match std::fs::read_to_string(file) {
-        Ok(text) => text,
-        // The checkpoint holds the whole scene; the file is written anew.
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
-        Err(e) => return Err(other(format!("the file cannot be read: {e}")).into()),
-    };
-    let mut there =
-        Scene::parse(&text, &file.display().to_string(), &[]).map_err(|e| other(e.to_string()))?;
-    there.kernel.isa = of_checkpoint.kernel.isa;
-    there.output = of_checkpoint.output.clone();
-    if let (Some(a), Some(b)) = (there.stages.last_mut(), of_checkpoint.stages.last()) {
-        a.steps = b.steps;
-    }
-    if there == *of_checkpoint {
-        return Ok(());
-    }
-    let (a, b) = (there.resolved_toml(), of_checkpoint.resolved_toml());
-    let difference = a.lines().zip(b.lines()).find(|(a, b)| a != b).map_or_else(
-        || "one has more tables".to_owned(),
-        |(a, b)| format!("`{a}` in the scene file, `{b}` in the checkpoint"),
-    );
-    Err(other(difference).into())
-}
-
 /// A checkpoint with its name in messages, and with the parts of the program that goes on from it.
 #[derive(Clone, Copy)]
 struct Saved<'a> {
@@ -284,6 +224,69 @@ struct Saved<'a> {
 }
 
 impl Saved<'_> {
+    fn refuse(&self, why: Unfit) -> ResumeError {
+        ResumeError::Unfit { checkpoint: self.path.to_owned(), why }
+    }
+
+    fn misfit(&self, reason: impl ToString) -> ResumeError {
+        self.refuse(Unfit::OwnScene(reason.to_string()))
+    }
+
+    /// Refuses a checkpoint of another version of the program.
+    fn is_of_this_program(&self) -> Result<(), ResumeError> {
+        let found = &self.checkpoint.metadata.program_version;
+        match found == env!("CARGO_PKG_VERSION") {
+            true => Ok(()),
+            false => Err(self.refuse(Unfit::OtherProgram { found: found.clone() })),
+        }
+    }
+
+    /// Refuses a checkpoint that was put beside the scene of another run. What a resumed run may have changed may differ: the number
+    /// of steps of the last stage, the instruction set, and what is written.
+    fn is_of_scene(&self, file: &Path, of_checkpoint: &Scene) -> Result<(), ResumeError> {
+        let other = |difference: String| {
+            self.refuse(Unfit::OtherScene { scene: file.to_owned(), difference })
+        };
+        let text = match std::fs::read_to_string(file) {
+            Ok(text) => text,
+            // The checkpoint holds the whole scene; the file is written anew.
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(e) => return Err(other(format!("the file cannot be read: {e}"))),
+        };
+        let mut there = Scene::parse(&text, &file.display().to_string(), &[])
+            .map_err(|e| other(e.to_string()))?;
+        there.kernel.isa = of_checkpoint.kernel.isa;
+        there.output = of_checkpoint.output.clone();
+        if let (Some(a), Some(b)) = (there.stages.last_mut(), of_checkpoint.stages.last()) {
+            a.steps = b.steps;
+        }
+        if there == *of_checkpoint {
+            return Ok(());
+        }
+        let (a, b) = (there.resolved_toml(), of_checkpoint.resolved_toml());
+        let difference = a.lines().zip(b.lines()).find(|(a, b)| a != b).map_or_else(
+            || "one has more tables".to_owned(),
+            |(a, b)| format!("`{a}` in the scene file, `{b}` in the checkpoint"),
+        );
+        Err(other(difference))
+    }
+
+    /// Puts the arrays of the checkpoint into a simulation that was built for it.
+    fn reinstated(&self, simulation: &mut Simulation) -> Result<Past, ResumeError> {
+        let Self { checkpoint, .. } = self;
+        let fits = checkpointing::check_particles(&checkpoint.archive, simulation.state.len());
+        let others = simulation.team().is_some_and(|team| team.any(fits.is_err()));
+        fits.map_err(|e| self.misfit(e))?;
+        if others {
+            return Err(self.misfit(RanksError::Elsewhere));
+        }
+        let past = checkpointing::reinstate(simulation, checkpoint).map_err(|e| self.misfit(e))?;
+        match simulation.state.step == checkpoint.metadata.step {
+            true => Ok(past),
+            false => Err(self.misfit("its state belongs to another step")),
+        }
+    }
+
     /// Builds the simulation for the instruction set that the run used, or for another one on request. A
     /// remark then says that the bits may differ.
     fn with_isa(
@@ -312,8 +315,8 @@ impl Saved<'_> {
                 let other = available.first().copied().unwrap_or("portable");
                 format!("to go on with bits that may differ: --isa {other}")
             };
-            let (checkpoint, recorded) = (self.path.to_owned(), recorded.clone());
-            return Err(ResumeError::OtherIsa { checkpoint, recorded, here, advice }.into());
+            let recorded = recorded.clone();
+            return Err(self.refuse(Unfit::OtherIsa { recorded, here, advice }).into());
         };
         let isa = [("kernel.isa".to_owned(), wanted.to_owned())];
         let overrides: Vec<_> = overrides.into_iter().chain(isa).collect();
@@ -333,23 +336,21 @@ impl Saved<'_> {
     /// Neither a start configuration nor a relaxation is needed: positions come from the checkpoint.
     fn build(&self, overrides: &[(String, String)]) -> Result<Simulation, EngineError> {
         let Self { checkpoint, path, own, team } = *self;
-        let misfit =
-            |reason: String| ResumeError::DoesNotFit { checkpoint: path.to_owned(), reason };
         let name = path.display().to_string();
         let scene = Scene::parse_to_grow(&checkpoint.scene, &name, overrides)?;
         if let Some(team) = team {
             together::can_share(&scene, team)?;
         }
-        let cell = checkpointing::saved_start_cell(&checkpoint.archive)
-            .map_err(|e| misfit(e.to_string()))?;
+        let cell =
+            checkpointing::saved_start_cell(&checkpoint.archive).map_err(|e| self.misfit(e))?;
         let state = checkpoint.archive.reader().section("state");
-        let here = state.vec3("positions").map_err(|e| misfit(e.to_string()))?.len();
+        let here = state.vec3("positions").map_err(|e| self.misfit(e))?.len();
         let n = Own::whole_of(team, here);
         if n == 0 {
-            return Err(misfit("it has no particles".into()).into());
+            return Err(self.misfit("it has no particles").into());
         }
         let species = checkpointing::saved_species(&checkpoint.archive, &scene, n)
-            .map_err(|e| misfit(e.to_string()))?;
+            .map_err(|e| self.misfit(e))?;
         let nowhere = vec![DVec3::ZERO; here];
         let start = Start::at(cell, nowhere.clone(), nowhere, species);
         build::prepare_own_from(scene, start, own.clone(), team)
