@@ -116,18 +116,17 @@ impl std::fmt::Display for PhysicsFailure {
                 f,
                 "the conserved energy ran from {from:.6} to {to:.6} ε per particle, by more than {LARGEST_ENERGY_CHANGE} ε"
             )?,
-            Symptom::WrongForce { particle, found, wanted, tolerance } => write!(
-                f,
-                "the force on particle {particle} is ({:.6}, {:.6}, {:.6}) ε/σ where all pairs give ({:.6}, {:.6}, {:.6}) ε/σ: \
-                 they differ by {:.2e} ε/σ, and rounding explains {tolerance:.1e} ε/σ",
-                found.x,
-                found.y,
-                found.z,
-                wanted.x,
-                wanted.y,
-                wanted.z,
-                (*found - *wanted).length()
-            )?,
+            Symptom::WrongForce { particle, found, wanted, tolerance } => {
+                let three = |v: &DVec3| format!("({:.6}, {:.6}, {:.6}) ε/σ", v.x, v.y, v.z);
+                write!(
+                    f,
+                    "the force on particle {particle} is {} where all pairs give {}: they differ by {:.2e} ε/σ, \
+                     and rounding explains {tolerance:.1e} ε/σ",
+                    three(found),
+                    three(wanted),
+                    (*found - *wanted).length()
+                )?
+            }
             Symptom::Method(e) => write!(f, "{e}")?,
         }
         if let Some(speed) = self.speed_beyond {
