@@ -103,7 +103,7 @@ fn compared(simulation: &Simulation) -> Result<Compared, Option<String>> {
         return Err(None);
     }
     let density = molecules as f64 / simulation.state.cell.volume();
-    at_constant_volume(described, density, molecules, scene.kept(), thermodynamics, true)
+    at_constant_volume(described, density, molecules, scene.kept(), thermodynamics)
 }
 
 /// A substance, and the averages that have a unit in its units.

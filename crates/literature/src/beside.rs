@@ -12,11 +12,95 @@ pub type Compared = (Vec<Comparison>, Vec<String>);
 /// A model and the equation that describes it.
 pub type Described = (ModelKind, &'static dyn EquationOfState);
 
-/// U and P of `n` particles beside an equation, at a density and at the measured temperature that belongs to the positions
-/// ([`Thermodynamics`]). Their box `kept` a quantity, or `None` where no term of finite size applies.
-///
-/// Where `results` are wanted, means count against which nothing speaks, in a stable state, so that a difference is a finding.
-/// Otherwise whatever was averaged counts: short runs are compared with each other.
+/// A value by an equation, as a closed box has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Expected {
+    /// The value of an infinite system.
+    pub infinite: f64,
+    /// Its slope with temperature at constant density.
+    pub slope: f64,
+    /// What the closed box adds, where that is known well enough.
+    pub finite_size: Option<f64>,
+    /// What that may be off by, where it is doubted.
+    pub finite_size_uncertainty: Option<f64>,
+    /// What the equation itself may be off by, where that is known.
+    pub own_uncertainty: Option<f64>,
+}
+
+impl Expected {
+    /// The value in the closed box.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        self.infinite + self.finite_size.unwrap_or(0.0)
+    }
+}
+
+/// U and P of a closed box by an equation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosedBox {
+    /// The temperature of the equation: the mean of the measured ones, ε/k_B.
+    pub temperature: f64,
+    /// Potential energy per particle, ε.
+    pub potential_energy: Expected,
+    /// Pressure, ε/σ³.
+    pub pressure: Expected,
+    /// What belongs beside a comparison.
+    pub remarks: Vec<String>,
+}
+
+impl ClosedBox {
+    /// Of `n` particles at a density and at the mean of the measured temperatures that belong to the positions. Their box
+    /// `kept` a quantity, or `None` where no term of finite size applies.
+    ///
+    /// # Errors
+    /// Why the equation says nothing.
+    pub fn of(
+        (model, equation): Described,
+        density: f64,
+        temperatures: &[f64],
+        n: usize,
+        kept: Option<Kept>,
+    ) -> Result<Self, String> {
+        if temperatures.len() < 2 {
+            return Err("too few samples to compare with an equation of state".into());
+        }
+        let temperature = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
+        equation
+            .check(density, temperature)
+            .map_err(|outside| format!("not compared: {outside}"))?;
+        let state = equation.at(density, temperature);
+        let shift = kept.and_then(|kept| FiniteSize::of(equation, density, temperature, n, kept));
+        let doubt = shift.and_then(|shift| shift.doubt);
+        let applies = doubt != Some(FiniteSizeDoubt::NotSmall);
+        let own = equation.uncertainty(density, temperature);
+        let (of_u, of_p) = (shift.map(|s| s.potential_energy), shift.map(|s| s.pressure));
+        let (own_u, own_p) =
+            (own.as_ref().map(|o| o.potential_energy), own.as_ref().map(|o| o.pressure));
+        let both = [
+            (state.potential_energy, state.du_dt, of_u, own_u),
+            (state.pressure, state.dp_dt, of_p, own_p),
+        ];
+        let [potential_energy, pressure] =
+            both.map(|(infinite, slope, term, own_uncertainty)| Expected {
+                infinite,
+                slope,
+                finite_size: term.filter(|_| applies),
+                finite_size_uncertainty: term.filter(|_| doubt.is_some()).map(f64::abs),
+                own_uncertainty,
+            });
+        let closed = shift.filter(|_| applies).map(|shift| {
+            format!(
+                "the references are for {n} particles in a closed box: {:+.5} ε and {:+.5} ε/σ³ beside an infinite system",
+                shift.potential_energy, shift.pressure
+            )
+        });
+        let remarks = closed.into_iter().chain(remark_for(model)).collect();
+        Ok(Self { temperature, potential_energy, pressure, remarks })
+    }
+}
+
+/// U and P of a run beside an equation for its [`ClosedBox`]. Means count against which nothing speaks, in a stable state, so that
+/// a difference is a finding.
 ///
 /// The error of each difference is the error of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T],
 /// which carries the correlation of X and T.
@@ -24,72 +108,39 @@ pub type Described = (ModelKind, &'static dyn EquationOfState);
 /// # Errors
 /// Why nothing was compared; `None` where the averages say why.
 pub fn at_constant_volume(
-    (model, equation): Described,
+    described: Described,
     density: f64,
     n: usize,
     kept: Option<Kept>,
     thermodynamics: &Thermodynamics,
-    results: bool,
 ) -> Result<Compared, Option<String>> {
     let equilibrium = thermodynamics.equilibrium();
-    if results && equilibrium.doubt.is_some() {
+    if equilibrium.doubt.is_some() {
         return Err(None);
     }
     let temperatures = &thermodynamics.series().temperature_of_positions[equilibrium.cut..];
-    if temperatures.len() < 2 {
-        return Err(Some("too few samples to compare with an equation of state".into()));
-    }
-    let temperature = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
-    let outside = equation.check(density, temperature);
-    outside.map_err(|outside| Some(format!("not compared: {outside}")))?;
-    if results && let Some(unstable) = equation.unstable(density, temperature) {
+    let closed = ClosedBox::of(described, density, temperatures, n, kept).map_err(Some)?;
+    let (temperature, equation) = (closed.temperature, described.1);
+    if let Some(unstable) = equation.unstable(density, temperature) {
         return Err(Some(format!("not compared: {unstable}")));
     }
-    let state = equation.at(density, temperature);
-    let shift = kept.and_then(|kept| FiniteSize::of(equation, density, temperature, n, kept));
-    let own = equation.uncertainty(density, temperature);
-    let averages = thermodynamics.finish(equilibrium.discarded).averages;
+    let (u, p) = (closed.potential_energy, closed.pressure);
     let quantities = [
-        (
-            "potential_energy",
-            state.potential_energy,
-            shift.map(|f| f.potential_energy),
-            thermodynamics.potential_energy_against(state.du_dt),
-            own.as_ref().map(|u| u.potential_energy),
-        ),
-        (
-            "pressure",
-            state.pressure,
-            shift.map(|f| f.pressure),
-            thermodynamics.pressure_against(state.dp_dt),
-            own.as_ref().map(|u| u.pressure),
-        ),
+        ("potential_energy", u, thermodynamics.potential_energy_against(u.slope)),
+        ("pressure", p, thermodynamics.pressure_against(p.slope)),
     ];
-    let doubt = shift.and_then(|f| f.doubt);
-    let applies = doubt != Some(FiniteSizeDoubt::NotSmall);
+    let averages = thermodynamics.finish(equilibrium.discarded).averages;
     let at = StatePoint { temperature, half_steps: thermodynamics.has_half_steps(), density };
-    let mut entries = Vec::new();
-    for (name, infinite, term, against, reference_uncertainty) in quantities {
-        let sound = |a: &&Average| a.name == name && (a.doubt.is_none() || !results);
-        let Some(average) = averages.iter().find(sound) else {
-            continue;
-        };
-        let finite_size = term.filter(|_| applies);
-        let reference = infinite + finite_size.unwrap_or(0.0);
-        entries.push(Comparison {
-            finite_size,
-            finite_size_uncertainty: term.filter(|_| doubt.is_some()).map(f64::abs),
-            reference_uncertainty,
-            ..entry(average, reference, against.standard_error, equation, at)
-        });
-    }
-    let closed = shift.filter(|_| applies).map(|shift| {
-        format!(
-            "the references are for {n} particles in a closed box: {:+.5} ε and {:+.5} ε/σ³ beside an infinite system",
-            shift.potential_energy, shift.pressure
-        )
+    let sound = quantities.into_iter().filter_map(|(name, expected, against)| {
+        let average = averages.iter().find(|a| a.name == name && a.doubt.is_none())?;
+        Some(Comparison {
+            finite_size: expected.finite_size,
+            finite_size_uncertainty: expected.finite_size_uncertainty,
+            reference_uncertainty: expected.own_uncertainty,
+            ..entry(average, expected.value(), against.standard_error, equation, at)
+        })
     });
-    Ok((entries, closed.into_iter().chain(remark_for(model)).collect()))
+    Ok((sound.collect(), closed.remarks))
 }
 
 /// Density and U of a run at constant pressure beside an equation at the pressure of the barostat.

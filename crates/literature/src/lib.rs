@@ -45,7 +45,9 @@ mod two_phases;
 pub mod units;
 mod virial;
 
-pub use beside::{Compared, Described, at_constant_pressure, at_constant_volume};
+pub use beside::{
+    ClosedBox, Compared, Described, Expected, at_constant_pressure, at_constant_volume,
+};
 pub use bisection::{bisect, try_bisect};
 pub use coexistence_data::coexistence_by_simulation;
 pub use equation::{EquationOfState, EquationSpec, OutsideRange, OwnUncertainty, Range};

@@ -1,9 +1,9 @@
 //! What a run under some settings measures: energy conservation, temperatures, U and P.
 
 use lennard_engine::Unfollowed;
-use lennard_literature::at_constant_volume;
-use lennard_observables::{Comparison, Estimate, ThermoSeries, Thermodynamics, statistics};
-use lennard_scene::model_kind;
+use lennard_literature::{ClosedBox, Expected, Kept};
+use lennard_observables::{Estimate, ThermoSeries, Thermodynamics, statistics};
+use lennard_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::slopes::Slopes;
@@ -98,13 +98,6 @@ impl Workbench {
         let found = simulation.thermodynamics();
         let cut = found.equilibration_cut();
         let rows = found.series();
-        let (scene, n) = (&simulation.scene, simulation.system.n_molecules());
-        let compared = scene.equation_of_state().map_err(Some).and_then(|described| {
-            let density = self.start().density_of_molecules(self.scene());
-            at_constant_volume(described, density, n, scene.kept(), found, false)
-        });
-        let (comparison, remarks) =
-            compared.unwrap_or_else(|why| (Vec::new(), why.into_iter().collect()));
         let (configurational, _) = statistics::ratio(&rows.squared_force, &rows.laplacian, cut);
         let conservation = found.conservation();
         let measured = self.measured(settings, rows, cut, slopes)?;
@@ -118,8 +111,6 @@ impl Workbench {
                 standard_error: conservation.energy_drift_standard_error,
                 ..measured.drift
             },
-            against_equation: beside(&comparison, rows, cut),
-            remarks,
             ..measured
         })
     }
@@ -135,15 +126,16 @@ impl Workbench {
     ) -> Result<Measured, StudyError> {
         let of = |column: &[f64]| statistics::estimate_after(column, cut);
         let temperature = of(&rows.temperature_of_positions);
-        let about = |column: &[f64], slope: f64| -> Estimate {
-            let positions = &rows.temperature_of_positions;
-            statistics::about_line(column, positions, slope, cut)
-        };
         let at_reference = |column: &[f64], slope: f64| {
-            let value = about(column, slope);
+            let value = statistics::about_line(column, &rows.temperature_of_positions, slope, cut);
             Estimate { mean: value.mean - slope * (temperature.mean - slopes.temperature), ..value }
         };
         let line = statistics::drift(&rows.time, &rows.conserved_energy);
+        let beside = self.against_equation(&settings.apply(self.scene())?, rows, cut);
+        let (against_equation, remarks) = match beside {
+            Ok((found, remarks)) => (Some(found), remarks),
+            Err(why) => (None, vec![why]),
+        };
         Ok(Measured {
             time: rows.time.last().copied().unwrap_or(0.0),
             temperature: of(&rows.temperature),
@@ -156,41 +148,43 @@ impl Workbench {
             pressure_at_reference: at_reference(&rows.pressure, slopes.dp_dt),
             energy_rms: line.rms,
             drift: Estimate::new(line.slope, line.standard_error, line.blocks as f64),
-            against_equation: self.against_equation(
-                settings,
-                temperature.mean,
-                |du_dt, dp_dt| (about(&rows.potential_energy, du_dt), about(&rows.pressure, dp_dt)),
-            )?,
-            remarks: Vec::new(),
+            against_equation,
+            remarks,
         })
     }
 
-    /// U and P of a run of these settings at this temperature, less the values of the equation of state of their model.
-    /// `None` where there is no equation or it does not cover the state. `about` gives U and P with the errors of their
-    /// differences from lines with the slopes ∂U/∂T and ∂P/∂T.
+    /// U and P from row `cut` on, less the values of the equation of state for the closed box of the run. Remarks come with them.
+    ///
+    /// # Errors
+    /// Why there is no equation, or why it does not cover the state.
     fn against_equation(
         &self,
-        settings: &Settings,
-        temperature: f64,
-        about: impl Fn(f64, f64) -> (Estimate, Estimate),
-    ) -> Result<Option<AgainstEquation>, StudyError> {
-        let model = model_kind(&settings.apply(self.scene())?);
-        let density = self.start().density_of_molecules(self.scene());
-        let equation = lennard_literature::equation_of_state_for(model).ok();
-        let covered = equation.filter(|e| e.check(density, temperature).is_ok());
-        Ok(covered.map(|equation| {
-            let state = equation.at(density, temperature);
-            let (u, p) = about(state.du_dt, state.dp_dt);
-            let less = |v: Estimate, reference: f64| Estimate { mean: v.mean - reference, ..v };
-            AgainstEquation {
-                source: equation.spec().name.clone(),
-                potential_energy: less(u, state.potential_energy),
-                pressure: less(p, state.pressure),
-                own_uncertainty: equation
-                    .uncertainty(density, temperature)
-                    .map(|own| (own.potential_energy, own.pressure)),
-            }
-        }))
+        scene: &Scene,
+        rows: &ThermoSeries,
+        cut: usize,
+    ) -> Result<(AgainstEquation, Vec<String>), String> {
+        let described = scene.equation_of_state()?;
+        let start = self.start();
+        let (n, density) =
+            (start.len() / scene.molecules().sites(), start.density_of_molecules(scene));
+        // A run on the workbench has no barostat.
+        let bath = self.measured_stage().thermostat.as_ref();
+        let kept = bath.map_or(Kept::Energy, |_| Kept::Temperature);
+        let positions = &rows.temperature_of_positions;
+        let closed = ClosedBox::of(described, density, &positions[cut..], n, Some(kept))?;
+        let (u, p) = (closed.potential_energy, closed.pressure);
+        let less = |column: &[f64], expected: Expected| {
+            let about = statistics::about_line(column, positions, expected.slope, cut);
+            let n_effective = statistics::estimate_after(column, cut).n_effective;
+            Estimate::new(about.mean - expected.value(), about.standard_error, n_effective)
+        };
+        let found = AgainstEquation {
+            source: described.1.spec().citation(),
+            potential_energy: less(&rows.potential_energy, u),
+            pressure: less(&rows.pressure, p),
+            own_uncertainty: u.own_uncertainty.zip(p.own_uncertainty),
+        };
+        Ok((found, closed.remarks))
     }
 
     /// The equation of state of the model that these settings simulate, by name; or why there is none.
@@ -201,30 +195,9 @@ impl Workbench {
         &self,
         settings: &Settings,
     ) -> Result<Result<String, String>, StudyError> {
-        let model = model_kind(&settings.apply(self.scene())?);
-        Ok(lennard_literature::equation_of_state_for(model)
-            .map(|e| e.spec().name.clone())
-            .map_err(|none| none.to_string()))
+        let described = settings.apply(self.scene())?.equation_of_state();
+        Ok(described.map(|(_, equation)| equation.spec().name.clone()))
     }
-}
-
-/// U and P less the values of the equation of state, as the comparison of a run corrects and judges them.
-fn beside(entries: &[Comparison], rows: &ThermoSeries, cut: usize) -> Option<AgainstEquation> {
-    let entry = |quantity: &str| entries.iter().find(|e| e.quantity == quantity);
-    let difference = |entry: &Comparison, column: &[f64]| {
-        Estimate::new(
-            entry.difference,
-            entry.standard_error,
-            statistics::estimate_after(column, cut).n_effective,
-        )
-    };
-    let (u, p) = entry("potential_energy").zip(entry("pressure"))?;
-    Some(AgainstEquation {
-        source: u.source.clone(),
-        potential_energy: difference(u, &rows.potential_energy),
-        pressure: difference(p, &rows.pressure),
-        own_uncertainty: u.reference_uncertainty.zip(p.reference_uncertainty),
-    })
 }
 
 /// T − T_conf with its error: to first order it fluctuates as T_i − (F²_i − T_conf·L_i)/⟨L⟩, with F² the mean square
@@ -247,6 +220,7 @@ fn temperature_difference(found: &Thermodynamics, cut: usize) -> Estimate {
 #[cfg(test)]
 mod tests {
     use lennard_forcefield::TruncationKind;
+    use lennard_literature::FiniteSize;
 
     use super::*;
     use crate::testing::bench;
@@ -276,20 +250,28 @@ mod tests {
     }
 
     #[test]
-    fn a_run_stands_beside_its_equation_as_the_comparison_of_a_run_does() {
+    fn rows_of_any_engine_stand_beside_the_equation_of_a_closed_box() {
         let (bench, base) = bench(&[]);
         let base = base.with_truncation(TruncationKind::Shift, 2.5, false);
-        let slopes = bench.slopes(&base, 1.0).unwrap();
-        let run = bench.measure(&base, 2.0, &slopes).unwrap();
-        let beside = run.against_equation.unwrap();
-        // The comparison names its source in full, and corrects P for the finite number of particles.
+        let (temperature, pressure) = (0.75, 0.5);
+        let mut rows = ThermoSeries::default();
+        for i in 0..40 {
+            rows.time.push(0.04 * f64::from(i));
+            rows.temperature.push(temperature);
+            rows.temperature_of_positions.push(temperature);
+            rows.potential_energy.push(-5.0);
+            rows.pressure.push(pressure);
+            rows.conserved_energy.push(-4.0);
+        }
+        let found = bench.measured(&base, &rows, 0, &Slopes::default()).unwrap();
+        let beside = found.against_equation.unwrap();
         assert!(beside.source.contains("doi:"), "{}", beside.source);
-        let at = run.temperature_of_positions.mean;
-        let means = |_, _| (run.potential_energy, run.pressure);
-        let plain = bench.against_equation(&base, at, means).unwrap();
-        let plain = plain.unwrap().pressure.mean;
-        let correction = (beside.pressure.mean - plain).abs();
-        assert!((1e-4..0.1).contains(&correction), "{correction}");
+        let (equation, density) = (lennard_literature::thol_2015(), bench.start().density());
+        let n = bench.start().len();
+        let term = FiniteSize::of(equation, density, temperature, n, Kept::Energy).unwrap();
+        let plain = pressure - equation.at(density, temperature).pressure;
+        assert!((beside.pressure.mean - (plain - term.pressure)).abs() < 1e-12, "{beside:?}");
+        assert!((1e-4..0.1).contains(&term.pressure.abs()), "{term:?}");
     }
 
     #[test]
