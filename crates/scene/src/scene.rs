@@ -130,6 +130,12 @@ impl Scene {
         self.measured_stages().next_back().or(self.stages.last())
     }
 
+    /// The time of all measured stages together, τ.
+    #[must_use]
+    pub fn measured_time(&self) -> f64 {
+        self.measured_stages().map(|stage| stage.steps as f64 * self.stage_dt(stage)).sum()
+    }
+
     /// The steps of all stages together.
     #[must_use]
     pub fn total_steps(&self) -> u64 {

@@ -156,7 +156,7 @@ pub fn compare(run: &RunFolder) -> ComparedRun {
         model: run.record.model.clone(),
         atoms: run.record.atoms,
         molecules: run.molecules(),
-        measured_steps: run.measured_steps(),
+        measured_steps: run.scene.measured_steps(),
         equation: equation
             .as_ref()
             .ok()

@@ -290,9 +290,7 @@ fn lengths(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptio
 /// A length of the runs of a chart, τ: no shorter than `shortest`, and no longer than `longest` or the run that the scene plans. That
 /// would tell more than is asked.
 fn bounded(scene: &Scene, time: f64, (shortest, longest): (f64, f64)) -> f64 {
-    let measured = scene.stages.iter().filter(|s| s.measure);
-    let planned: f64 = measured.map(|s| s.steps as f64 * scene.stage_dt(s)).sum();
-    time.clamp(shortest, longest.min(planned).max(shortest))
+    time.clamp(shortest, longest.min(scene.measured_time()).max(shortest))
 }
 
 /// All errors of some settings.

@@ -98,7 +98,7 @@ pub fn card(
     let states: Vec<_> = states_at(t);
     let at_the_bath: Vec<_> = states_at(run.bath_temperature().unwrap_or(t));
     let counts: Vec<bool> = equations.iter().map(|e| counts(*e)).collect();
-    let at_pressure = run.scene.stages.iter().any(|s| s.measure && s.barostat.is_some());
+    let at_pressure = run.scene.measured_stages().any(|s| s.barostat.is_some());
     let row = |mean: &str, name: &str, property: &Property, judged: bool| -> Option<CardRow> {
         let row = compared.iter().find(|r| r.quantity == mean)?;
         let states = if has_mark(mean, Mark::AtBath) { &at_the_bath } else { &states };

@@ -171,12 +171,6 @@ impl RunFolder {
         self.record.atoms / self.scene.molecules().sites() as u64
     }
 
-    /// Steps of the measured stages.
-    pub(crate) fn measured_steps(&self) -> u64 {
-        let measured = self.scene.stages.iter().filter(|s| s.measure);
-        measured.map(|s| s.steps).sum()
-    }
-
     /// The mean volume of the box, σ³.
     pub(crate) fn volume(&self) -> f64 {
         self.molecules() as f64 / self.density

@@ -200,7 +200,7 @@ impl Compared<'_> {
 
     /// The barostat of the measured stages.
     fn barostat(&self) -> Option<&PressureControl> {
-        let measured = self.run.scene.stages.iter().find(|s| s.measure)?;
+        let measured = self.run.scene.measured_stages().next()?;
         measured.barostat.as_ref()
     }
 

@@ -100,8 +100,6 @@ fn accepted(record: Option<&RunRecord>) -> Option<f64> {
 
 /// Independent volumes in a τ, of a run that is long enough to tell.
 fn pace((point, swept): &Run<'_>) -> Option<f64> {
-    let measured = point.scene.stages.iter().filter(|stage| stage.measure);
-    let time: f64 = measured.map(|s| s.steps as f64 * point.scene.stage_dt(s)).sum();
     let volume = swept.record.as_ref()?.averages.get("volume")?.estimate;
-    (volume.n_effective >= FEWEST).then(|| volume.n_effective / time)
+    (volume.n_effective >= FEWEST).then(|| volume.n_effective / point.scene.measured_time())
 }

@@ -86,8 +86,7 @@ fn crossing(fronts: &[Front]) -> Option<[f64; 4]> {
 
 /// The pressure that the measured stage of a scene holds, where it holds one.
 fn pressure(scene: &Scene) -> Option<f64> {
-    let measured = scene.stages.iter().find(|s| s.measure)?;
-    measured.barostat.as_ref().map(|control| control.pressure)
+    scene.measured_stages().next()?.barostat.as_ref().map(|control| control.pressure)
 }
 
 /// Where the freezing lines of others meet a pressure, by the equation that judges the model.

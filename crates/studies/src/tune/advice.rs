@@ -87,7 +87,7 @@ pub(super) fn about(full: bool, settings: &Settings) -> String {
 /// Standard errors of U and P that the run of the scene will have: the errors of the verification, scaled with time and
 /// number of particles.
 pub(super) fn planned_errors(scene: &Scene, sample: &Sample, runs: &Runs, dt: f64) -> [f64; 2] {
-    let measured = scene.stages.iter().filter(|s| s.measure);
+    let measured = scene.measured_stages();
     let time: f64 = measured.map(|s| s.steps as f64 * s.dt.unwrap_or(dt)).sum();
     let less = (runs.time * sample.start.len() as f64 / (time * sample.scene_atoms as f64)).sqrt();
     [runs.potential_energy, runs.pressure].map(|v| less * v.standard_error)

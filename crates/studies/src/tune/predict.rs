@@ -95,9 +95,8 @@ impl<'a> Models<'a> {
         seconds: f64,
     ) -> Result<Self, StudyError> {
         let method = sample.own.integrator.method.spec();
-        let langevin = sample.own.stages.iter().any(|s| {
-            s.measure
-                && matches!(s.thermostat, Some(lennard_integrators::ThermostatOptions::Langevin(_)))
+        let langevin = sample.own.measured_stages().any(|s| {
+            matches!(s.thermostat, Some(lennard_integrators::ThermostatOptions::Langevin(_)))
         });
         let like_verlet = method.name == "velocity-verlet" || !stands_for_itself(method.name);
         // Bonds have modes that the sums over pairs do not know.

@@ -13,7 +13,7 @@ use super::blocks::Blocks;
 use crate::lists::grouped;
 use crate::report::Section;
 use crate::sweep::StudyPoints;
-use crate::sweep::{Point, Setting};
+use crate::sweep::Setting;
 
 /// From this density on a homogeneous fluid is a liquid, whose longest runs may not be too short, σ⁻³.
 const LEAST_DENSITY_OF_LIQUIDS: f64 = 0.7;
@@ -71,17 +71,13 @@ fn samples<'a>(study: &StudyPoints<'a>) -> Vec<Sample<'a>> {
             && point.scene.half_crystal().is_none();
         let cell = judge::Cell {
             state: state_of(&point.settings),
-            steps: measured_steps(point),
+            steps: point.scene.measured_steps(),
             is_at_constant_energy: lennard_engine::held_temperature(&point.scene).is_none(),
-            is_long_enough: is_liquid && measured_steps(point) >= ENOUGH_STEPS,
+            is_long_enough: is_liquid && point.scene.measured_steps() >= ENOUGH_STEPS,
         };
         (cell, averages)
     });
     grouped(by_cell).into_iter().map(|(cell, runs)| Sample { cell, runs }).collect()
-}
-
-fn measured_steps(point: &Point) -> u64 {
-    point.scene.stages.iter().filter(|stage| stage.measure).map(|stage| stage.steps).sum()
 }
 
 /// What a study chose but for the length of the runs, in words.
