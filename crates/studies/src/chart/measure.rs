@@ -1,7 +1,6 @@
 //! Running the points: errors side by side, then costs one after the other. Each is stored as soon as it is known.
 
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use lennard_core::parallel::pool;
 use lennard_engine::stopwatch::{in_turn, shuffled};
@@ -50,17 +49,15 @@ pub(super) fn all(
     store.begin(scene, &plan)?;
     let tight = against_tightest(&bench, &grid, tightest, plan.time)?;
 
-    let fresh = grid.settings.iter().enumerate();
-    let fresh = fresh.map(|(i, settings)| ChartedPoint::new(i + 1, settings.clone()));
-    let points = Points::new(fresh, &bench, &store, options, &plan);
-    points.measure(progress, |point| {
-        let is_tightest = point.number == tight.tightest + 1;
-        let time = if is_tightest { plan.tight_time } else { plan.time };
-        point.errors = Some(errors(&bench, &point.settings, time, &plan, &tight.slopes)?);
-        Ok(())
-    })?;
-    points.time(progress)?;
-    let (mut points, finished) = points.close();
+    let fresh = (1..).zip(&grid.settings);
+    let fresh = fresh.map(|(number, settings)| ChartedPoint::new(number, settings.clone()));
+    let known = fresh.map(|fresh| store.load(&fresh).unwrap_or(fresh));
+    let mut points: Vec<ChartedPoint> = known.collect();
+    let work = Work { bench: &bench, store: &store, options, plan: &plan };
+    work.measure(&mut points, &tight, progress)?;
+    work.time(&mut points, progress)?;
+    let is_finished = |p: &ChartedPoint| p.is_measured() && p.is_timed(plan.repeats);
+    let finished = points.iter().all(is_finished);
 
     let mut remarks = Vec::new();
     if options.with_peers && finished {
@@ -92,67 +89,75 @@ pub(super) fn all(
     Ok(chart)
 }
 
-/// All points of a chart at work.
-struct Points<'a> {
-    points: Vec<Mutex<ChartedPoint>>,
+/// The work on the points of a chart.
+struct Work<'a> {
     bench: &'a Workbench,
     store: &'a Store,
     options: &'a ChartOptions<'a>,
     plan: &'a Lengths,
 }
 
-impl<'a> Points<'a> {
-    /// These points, with what is stored of each.
-    fn new(
-        fresh: impl Iterator<Item = ChartedPoint>,
-        bench: &'a Workbench,
-        store: &'a Store,
-        options: &'a ChartOptions<'a>,
-        plan: &'a Lengths,
-    ) -> Self {
-        let points = fresh.map(|fresh| Mutex::new(store.load(&fresh).unwrap_or(fresh))).collect();
-        Self { points, bench, store, options, plan }
-    }
-
-    fn seed(&self) -> u64 {
-        self.bench.scene().system.seed
-    }
-
-    /// Measures what is not measured yet, side by side, in a shuffled order.
+impl Work<'_> {
+    /// Measures the errors of points that have none yet, side by side, in a shuffled order.
     fn measure(
         &self,
+        points: &mut [ChartedPoint],
+        tight: &Tightest,
         progress: &mut dyn Progress,
-        work: impl Fn(&mut ChartedPoint) -> Result<(), StudyError> + Sync,
     ) -> Result<(), StudyError> {
-        let order = shuffled(self.points.len(), self.seed(), usize::MAX).into_iter();
-        let waiting: Vec<usize> = order.filter(|i| !self.slot(*i).is_measured()).collect();
-        let measured: Vec<Result<(), StudyError>> = side_by_side_on(
+        let order = shuffled(points.len(), self.seed(), usize::MAX).into_iter();
+        let waiting: Vec<usize> = order.filter(|i| !points[*i].is_measured()).collect();
+        let measured = side_by_side_on(
             self.options.workers,
             &waiting,
             |i| {
-                if self.is_stopped() {
-                    return Ok(());
+                let mut point = points[*i].clone();
+                if !self.is_stopped() {
+                    let is_tightest = *i == tight.tightest;
+                    let time = if is_tightest { self.plan.tight_time } else { self.plan.time };
+                    point.errors = Some(self.errors(&point.settings, time, &tight.slopes)?);
+                    self.store.save(&point)?;
                 }
-                let mut point = self.slot(*i);
-                work(&mut point)?;
-                self.store.save(&point)
+                Ok(point)
             },
             |share| progress.update("measuring errors", MEASURED_SHARE * share),
         );
-        measured.into_iter().collect()
+        let measured: Vec<ChartedPoint> =
+            measured.into_iter().collect::<Result<_, StudyError>>()?;
+        waiting.into_iter().zip(measured).for_each(|(i, point)| points[i] = point);
+        Ok(())
+    }
+
+    /// All errors of some settings.
+    fn errors(
+        &self,
+        settings: &Settings,
+        time: f64,
+        slopes: &Slopes,
+    ) -> Result<Errors, StudyError> {
+        let (bench, short_time) = (self.bench, self.plan.short_time);
+        Ok(Errors {
+            forces: bench.force_errors(settings)?,
+            measured: Outcome::of(bench.measure(settings, time, slopes))?,
+            trajectory: Outcome::of(bench.trajectory_error(settings, short_time))?,
+            reversibility: Outcome::of(bench.reversibility(settings, short_time))?,
+        })
     }
 
     /// Times what is not timed often enough, one after the other, each round in another order.
-    fn time(&self, progress: &mut dyn Progress) -> Result<(), StudyError> {
+    fn time(
+        &self,
+        points: &mut [ChartedPoint],
+        progress: &mut dyn Progress,
+    ) -> Result<(), StudyError> {
         let pool = pool(self.plan.threads)?;
-        in_turn(self.points.len(), self.plan.repeats, self.seed(), |turn| {
-            let mut point = self.slot(turn.item);
+        in_turn(points.len(), self.plan.repeats, self.seed(), |turn| {
+            let point = &mut points[turn.item];
             if self.is_stopped() || point.is_timed(turn.round + 1) {
                 return Ok(());
             }
-            let timed = &mut *point;
-            pool.install(|| self.one_timing(timed))?;
-            self.store.save(&point)?;
+            pool.install(|| self.one_timing(point))?;
+            self.store.save(point)?;
             let left = 1.0 - MEASURED_SHARE;
             progress.update("timing", MEASURED_SHARE + left * turn.done);
             Ok(())
@@ -175,18 +180,8 @@ impl<'a> Points<'a> {
         Ok(())
     }
 
-    /// The points, and whether all of them are finished.
-    fn close(self) -> (Vec<ChartedPoint>, bool) {
-        let points: Vec<ChartedPoint> = (self.points.into_iter())
-            .map(|p| p.into_inner().unwrap_or_else(PoisonError::into_inner))
-            .collect();
-        let repeats = self.plan.repeats;
-        let finished = points.iter().all(|p| p.is_measured() && p.is_timed(repeats));
-        (points, finished)
-    }
-
-    fn slot(&self, i: usize) -> MutexGuard<'_, ChartedPoint> {
-        self.points[i].lock().unwrap_or_else(PoisonError::into_inner)
+    fn seed(&self) -> u64 {
+        self.bench.scene().system.seed
     }
 
     fn is_stopped(&self) -> bool {
@@ -271,7 +266,9 @@ fn lengths(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptio
         Size::Default => (130.0 / a_tau, 0.03),
         Size::Full => (FULL_TIME, 0.03),
     };
-    let time = bounded(scene, time, LENGTHS);
+    // No longer than the run that the scene plans: that would tell more than is asked.
+    let (shortest, longest) = LENGTHS;
+    let time = time.clamp(shortest, longest.min(scene.measured_time()).max(shortest));
     let unit = COMMON_STEPS * scene.integrator.dt;
     Lengths {
         size: options.size,
@@ -285,28 +282,6 @@ fn lengths(bench: &Workbench, grid: &Grid, tightest: usize, options: &ChartOptio
         cpu: lennard_io::cpu_name(),
         version: env!("CARGO_PKG_VERSION").into(),
     }
-}
-
-/// A length of the runs of a chart, τ: no shorter than `shortest`, and no longer than `longest` or the run that the scene plans. That
-/// would tell more than is asked.
-fn bounded(scene: &Scene, time: f64, (shortest, longest): (f64, f64)) -> f64 {
-    time.clamp(shortest, longest.min(scene.measured_time()).max(shortest))
-}
-
-/// All errors of some settings.
-fn errors(
-    bench: &Workbench,
-    settings: &Settings,
-    time: f64,
-    plan: &Lengths,
-    slopes: &Slopes,
-) -> Result<Errors, StudyError> {
-    Ok(Errors {
-        forces: bench.force_errors(settings)?,
-        measured: Outcome::of(bench.measure(settings, time, slopes))?,
-        trajectory: Outcome::of(bench.trajectory_error(settings, plan.short_time))?,
-        reversibility: Outcome::of(bench.reversibility(settings, plan.short_time))?,
-    })
 }
 
 #[cfg(test)]

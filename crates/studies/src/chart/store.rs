@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use lennard_scene::Scene;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use super::types::{ChartedPoint, Lengths};
 use crate::StudyError;
@@ -37,7 +36,7 @@ impl Store {
             Some(true) if folder.join(PLAN_FILE).exists() => {}
             Some(true) => return Err(store.other("it holds a run of this scene, and no chart")),
             Some(false) => return Err(store.other("it belongs to another scene")),
-            None if store.is_empty() => {}
+            None if lennard_io::is_empty_folder(folder) => {}
             None => return Err(store.other("it holds something that is no chart")),
         }
         Ok(store)
@@ -49,10 +48,6 @@ impl Store {
             "{found}\n  allowed: an empty folder, or one that holds this chart; give another --out, or --force to begin anew"
         );
         StudyError::Settings { label: self.folder.display().to_string(), reason }
-    }
-
-    fn is_empty(&self) -> bool {
-        lennard_io::is_empty_folder(&self.folder)
     }
 
     /// Removes what a chart has stored, and nothing else.
@@ -90,7 +85,8 @@ impl Store {
 
     /// The point as it was stored, if it was, and with the same settings.
     pub(super) fn load(&self, fresh: &ChartedPoint) -> Option<ChartedPoint> {
-        let stored: ChartedPoint = self.read(&self.file(fresh.number))?;
+        let text = std::fs::read_to_string(self.file(fresh.number)).ok()?;
+        let stored: ChartedPoint = toml::from_str(&text).ok()?;
         (stored.settings == fresh.settings).then_some(stored)
     }
 
@@ -101,10 +97,6 @@ impl Store {
 
     fn file(&self, number: usize) -> PathBuf {
         self.folder.join(POINTS).join(format!("{number:04}.toml"))
-    }
-
-    fn read<T: DeserializeOwned>(&self, file: &Path) -> Option<T> {
-        toml::from_str(&std::fs::read_to_string(file).ok()?).ok()
     }
 
     fn write(&self, file: &Path, value: &impl Serialize) -> Result<(), StudyError> {

@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 use super::blocks::Blocks;
 use crate::lists::grouped;
 use crate::report::Section;
-use crate::sweep::StudyPoints;
 use crate::sweep::Setting;
+use crate::sweep::StudyPoints;
 
 /// From this density on a homogeneous fluid is a liquid, whose longest runs may not be too short, σ⁻³.
 const LEAST_DENSITY_OF_LIQUIDS: f64 = 0.7;
