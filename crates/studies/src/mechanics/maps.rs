@@ -16,7 +16,7 @@ use crate::lab::Rig;
 use crate::report::Drawn;
 use crate::stability::groups::entry;
 use crate::stability::map::StepMap;
-use crate::stability::oscillator::Spring;
+use crate::stability::oscillator::{Spring, map_of};
 
 /// Damping times of the maps, in steps.
 const DAMPING: [f64; 6] = [0.0, 0.5, 1.0, 2.0, 4.0, 10.0];
@@ -39,12 +39,11 @@ fn theory(phase: f64, damping: f64) -> StepMap {
     StepMap(DMat2::from_cols_array_2d(&[[1.0 - q, -q], [p, p]]))
 }
 
-/// States (x, v) of SPOOK on a spring of unit mass with h = 1.
-fn states(phase: f64, damping: f64, start: DVec2, steps: usize) -> Result<Vec<DVec2>, StudyError> {
+/// States (x, v) of SPOOK on a spring of unit mass with h = 1, from the start on.
+fn path(phase: f64, damping: f64, steps: u32) -> Result<Vec<DVec2>, StudyError> {
     let compliance = 1.0 / (phase * phase);
     let spring = Spring::Constraint { compliance, damping_time: damping };
-    let mut rig = spring.start(entry("spook")?, start.into(), 1.0)?;
-    (0..steps).map(|_| rig.next_point()).collect()
+    spring.path(entry("spook")?, (1.0, 0.3), 1.0, steps)
 }
 
 /// Spectral radii by theory and from three states of a run, with their figure.
@@ -52,8 +51,7 @@ fn radii(all: &mut Measured) -> Result<(), StudyError> {
     let mut points = Vec::new();
     for damping in DAMPING {
         for phase in PHASES {
-            let found = states(phase, damping, DVec2::new(1.0, 0.3), 3)?;
-            let map = StepMap::from_states([found[0], found[1], found[2]]);
+            let map = map_of(&path(phase, damping, 3)?);
             points.push((phase, damping, theory(phase, damping).radius(), map.radius()));
         }
     }
@@ -90,10 +88,11 @@ fn closed_form() -> Result<f64, StudyError> {
     let mut largest = 0.0_f64;
     for (phase, damping) in [(0.5, 0.0), (2.0, 0.5), (TAU, 2.0), (20.0, 4.0)] {
         let map = spook::damped_oscillator_map(1.0 / (phase * phase), damping, 1.0, 1.0);
-        let mut z = DVec2::new(1.0, 0.3);
-        for found in states(phase, damping, z, 1000)? {
+        let path = path(phase, damping, 1000)?;
+        let mut z = path[0];
+        for found in &path[1..] {
             z = map * z;
-            largest = largest.max((found - z).length());
+            largest = largest.max((*found - z).length());
         }
     }
     Ok(largest)
@@ -183,8 +182,7 @@ pub(super) fn measure(_quick: bool, all: &mut Measured) -> Result<(), StudyError
 fn angle_off() -> Result<f64, StudyError> {
     let mut largest = 0.0_f64;
     for phase in [0.5, 1.0, 2.0, 4.0, 20.0] {
-        let z = states(phase, 0.0, DVec2::new(1.0, 0.3), 3)?;
-        let map = StepMap::from_states([z[0], z[1], z[2]]);
+        let map = map_of(&path(phase, 0.0, 3)?);
         let wanted = 2.0 * (0.5 * phase).atan();
         let angle = map.phase().unwrap_or(f64::NAN);
         largest = largest.max((angle / wanted - 1.0).abs());
