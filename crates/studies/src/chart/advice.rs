@@ -142,7 +142,7 @@ fn stability_limit(chart: &Chart, point: &ChartedPoint) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::types::{Errors, Outcome, Panel, Tightest, cost_by};
+    use super::super::types::{Errors, Panel, Tightest, cost_by};
     use super::*;
     use crate::lab::{ForceErrors, Timing};
     use crate::settings::Settings;
@@ -204,9 +204,9 @@ mod tests {
             ChartedPoint::new(4, Settings { dt: 0.01, ..of_forces.points[0].settings.clone() });
         point.errors = Some(Errors {
             forces: ForceErrors { same_model: 0.0, untruncated: None },
-            measured: Outcome::Failed(failed()),
-            trajectory: Outcome::Failed(failed()),
-            reversibility: Outcome::Failed(failed()),
+            measured: Err(failed()),
+            trajectory: Err(failed()),
+            reversibility: Err(failed()),
         });
         of_forces.points.push(point);
         assert_eq!(advised(&of_forces, &marks), Some(1));

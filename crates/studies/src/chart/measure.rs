@@ -9,12 +9,10 @@ use lennard_scene::Scene;
 
 use super::grid::{COMMON_STEPS, Grid, grid};
 use super::store::Store;
-use super::types::{
-    Chart, ChartOptions, ChartedPoint, Errors, Lengths, Outcome, Size, Tightest, cost_by,
-};
+use super::types::{Chart, ChartOptions, ChartedPoint, Errors, Lengths, Size, Tightest, cost_by};
 use super::{panels, peers};
 use crate::jobs::side_by_side_on;
-use crate::lab::{self, Slopes, Workbench, modelled_work};
+use crate::lab::{self, Failed, Slopes, Workbench, modelled_work};
 use crate::settings::{Settings, truncation_is_free};
 use crate::sweep::Sweep;
 use crate::{Progress, StudyError};
@@ -138,9 +136,9 @@ impl Work<'_> {
         let (bench, short_time) = (self.bench, self.plan.short_time);
         Ok(Errors {
             forces: bench.force_errors(settings)?,
-            measured: Outcome::of(bench.measure(settings, time, slopes))?,
-            trajectory: Outcome::of(bench.trajectory_error(settings, short_time))?,
-            reversibility: Outcome::of(bench.reversibility(settings, short_time))?,
+            measured: Failed::or(bench.measure(settings, time, slopes))?,
+            trajectory: Failed::or(bench.trajectory_error(settings, short_time))?,
+            reversibility: Failed::or(bench.reversibility(settings, short_time))?,
         })
     }
 
@@ -166,8 +164,8 @@ impl Work<'_> {
 
     fn one_timing(&self, point: &mut ChartedPoint) -> Result<(), StudyError> {
         let timing = self.bench.timing(&point.settings, self.plan.timing_seconds);
-        match Outcome::of(timing)? {
-            Outcome::Found(timing) => {
+        match Failed::or(timing)? {
+            Ok(timing) => {
                 if point.pair_forces_per_atom_tau.is_none() {
                     let evaluations = timing.evaluations_per_tau;
                     point.pair_forces_per_atom_tau =
@@ -175,7 +173,7 @@ impl Work<'_> {
                 }
                 point.timings.push(timing);
             }
-            Outcome::Failed(failed) => point.not_timed = Some(failed),
+            Err(failed) => point.not_timed = Some(failed),
         }
         Ok(())
     }

@@ -17,8 +17,7 @@ mod types;
 pub use page::summary;
 pub use store::{POINTS, has_points};
 pub use types::{
-    Advice, Axis, Chart, ChartOptions, ChartedPoint, Errors, Lengths, Mark, Outcome, Panel, Size,
-    Tightest,
+    Advice, Axis, Chart, ChartOptions, ChartedPoint, Errors, Lengths, Mark, Panel, Size, Tightest,
 };
 
 use lennard_scene::Scene;

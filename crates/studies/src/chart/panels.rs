@@ -4,9 +4,9 @@ use lennard_observables::Estimate;
 use serde::Deserialize;
 
 use super::advice::advice;
-use super::types::{Axis, Chart, ChartedPoint, Mark, Outcome, Panel, median};
+use super::types::{Axis, Chart, ChartedPoint, Mark, Panel, median};
 use crate::StudyError;
-use crate::lab::{Measured, Workbench};
+use crate::lab::{Failed, Measured, Workbench};
 use crate::report::{ReportError, filled, significant};
 use crate::settings::Settings;
 
@@ -127,18 +127,18 @@ fn error_of(
 
 /// The error in what came of a part of the runs of a point.
 fn what_came_of<T>(
-    part: &Outcome<T>,
+    part: &Result<T, Failed>,
     read: impl Fn(&T) -> Option<Error>,
 ) -> Option<Result<Error, String>> {
     match part {
-        Outcome::Failed(failed) => Some(Err(failed.reason.clone())),
-        Outcome::Found(found) => read(found).filter(|(value, _)| value.is_finite()).map(Ok),
+        Err(failed) => Some(Err(failed.reason.clone())),
+        Ok(found) => read(found).filter(|(value, _)| value.is_finite()).map(Ok),
     }
 }
 
 /// Below what errors of a kind say nothing, and what makes that floor.
 fn floor_of(kind: &str, chart: &Chart, marks: &[Mark]) -> (Option<f64>, &'static str) {
-    let of_trajectory = |p: &ChartedPoint| Some(p.errors.as_ref()?.trajectory.found()?.floor);
+    let of_trajectory = |p: &ChartedPoint| Some(p.errors.as_ref()?.trajectory.as_ref().ok()?.floor);
     match kind {
         "forces-same-model" => (Some(ROUNDING), "rounding of one number"),
         "forces-untruncated" => (chart.against.left_out_of_forces, "what that sum leaves out"),

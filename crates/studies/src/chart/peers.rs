@@ -9,7 +9,7 @@ use lennard_observables::{ThermoSeries, statistics};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::types::{ChartedPoint, Errors, Lengths, Outcome};
+use super::types::{ChartedPoint, Errors, Lengths};
 use crate::StudyError;
 use crate::lab::{Failed, Measured, Slopes, Timing, TrajectoryError, Workbench};
 use crate::settings::Settings;
@@ -155,13 +155,13 @@ fn one(
     let interval = sample_every as f64 * dt;
     point.errors = Some(Errors {
         forces: bench.errors_of_forces(own, &vectors(&found.forces))?,
-        measured: Outcome::Found(measured(bench, own, slopes, &found, interval)?),
-        trajectory: Outcome::Found(TrajectoryError {
+        measured: Ok(measured(bench, own, slopes, &found, interval)?),
+        trajectory: Ok(TrajectoryError {
             distance: distance(&vectors(&found.short), &reference.positions),
             floor: reference.floor,
             time: plan.short_time,
         }),
-        reversibility: Outcome::Found(distance(&vectors(&found.back), &start.positions)),
+        reversibility: Ok(distance(&vectors(&found.back), &start.positions)),
     });
     Ok(point)
 }

@@ -129,8 +129,9 @@ fn differences(there: &Lengths, wanted: &Lengths) -> Option<String> {
 mod tests {
     use lennard_engine::stopwatch::Spread;
 
-    use super::super::types::Size;
+    use super::super::types::{Errors, Size};
     use super::*;
+    use crate::lab::{Failed, ForceErrors};
     use crate::settings::Settings;
 
     fn scene(seed: &str) -> Scene {
@@ -157,9 +158,19 @@ mod tests {
             steps: 100,
         });
         point.pair_forces_per_atom_tau = Some(f64::NAN);
+        let failed = || Failed { reason: "blew up".into(), step: Some(7) };
+        point.errors = Some(Errors {
+            forces: ForceErrors { same_model: 1e-7, untruncated: None },
+            measured: Err(failed()),
+            trajectory: Err(failed()),
+            reversibility: Ok(0.5),
+        });
         store.save(&point).unwrap();
+        let text = std::fs::read_to_string(store.file(1)).unwrap();
+        assert!(text.contains("[errors.measured.failed]"), "{text}");
+        assert!(text.contains("[errors.reversibility]\nfound = 0.5"), "{text}");
         let back = store.load(&ChartedPoint::new(1, Settings::of(&scene))).unwrap();
-        assert_eq!(back.timings, point.timings);
+        assert_eq!((&back.timings, &back.errors), (&point.timings, &point.errors));
         assert!(back.pair_forces_per_atom_tau.unwrap().is_nan());
         let wall = back.cost().unwrap().wall;
         assert_eq!(wall, Spread::of([1e-5]).unwrap());

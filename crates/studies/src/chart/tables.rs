@@ -49,11 +49,11 @@ pub(super) fn points(chart: &Chart) -> Table {
         .measured("energy drift [epsilon/tau per atom]", |p| p.measured().map(|m| m.drift))
         .column("trajectory error [sigma]", |p| {
             let errors = p.errors.as_ref();
-            errors.and_then(|e| Some(e.trajectory.found()?.distance))
+            errors.and_then(|e| Some(e.trajectory.as_ref().ok()?.distance))
         })
         .column("distance there and back [sigma]", |p| {
             let errors = p.errors.as_ref();
-            errors.and_then(|e| e.reversibility.found().copied())
+            errors.and_then(|e| e.reversibility.as_ref().ok().copied())
         })
         .column("failure", |p| p.failure().map_or("", |failed| failed.reason.as_str()))
         .table()

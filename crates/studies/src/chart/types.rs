@@ -6,7 +6,6 @@ use std::sync::atomic::AtomicBool;
 use lennard_engine::stopwatch::BUSY;
 use serde::{Deserialize, Serialize};
 
-use crate::StudyError;
 use crate::lab::{Cost, Failed, ForceErrors, Measured, Slopes, Timing, TrajectoryError};
 use crate::settings::Settings;
 use crate::sweep::LeftOut;
@@ -70,32 +69,14 @@ pub struct Lengths {
     pub version: String,
 }
 
-/// What came of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Outcome<T> {
-    /// What it found.
-    Found(T),
-    /// Why it found nothing.
-    Failed(Failed),
-}
-
-impl<T> Outcome<T> {
-    /// A run that failed is a result; any other error is handed back.
-    pub(super) fn of(result: Result<T, StudyError>) -> Result<Self, StudyError> {
-        match result {
-            Ok(found) => Ok(Self::Found(found)),
-            Err(error) => Ok(Self::Failed(Failed::from_error(error)?)),
-        }
-    }
-
-    /// What was found, if anything.
-    pub fn found(&self) -> Option<&T> {
-        match self {
-            Self::Found(value) => Some(value),
-            Self::Failed(_) => None,
-        }
-    }
+/// The names by which files tell a result from a failure.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Result")]
+enum Stored<T, E> {
+    #[serde(rename = "found")]
+    Ok(T),
+    #[serde(rename = "failed")]
+    Err(E),
 }
 
 /// All errors of one point.
@@ -104,11 +85,14 @@ pub struct Errors {
     /// Of the forces at the start.
     pub forces: ForceErrors,
     /// Of energy, temperature, U and P, over a run.
-    pub measured: Outcome<Measured>,
+    #[serde(with = "Stored")]
+    pub measured: Result<Measured, Failed>,
     /// Of a short trajectory.
-    pub trajectory: Outcome<TrajectoryError>,
+    #[serde(with = "Stored")]
+    pub trajectory: Result<TrajectoryError, Failed>,
     /// Distance from the start after the way there and back, σ.
-    pub reversibility: Outcome<f64>,
+    #[serde(with = "Stored")]
+    pub reversibility: Result<f64, Failed>,
 }
 
 /// One choice of settings with what it costs and errs.
@@ -161,16 +145,13 @@ impl ChartedPoint {
     /// What its run measured, where it came to its end.
     #[must_use]
     pub fn measured(&self) -> Option<&Measured> {
-        self.errors.as_ref()?.measured.found()
+        self.errors.as_ref()?.measured.as_ref().ok()
     }
 
     /// Why its run failed.
     #[must_use]
     pub fn failure(&self) -> Option<&Failed> {
-        match &self.errors.as_ref()?.measured {
-            Outcome::Failed(failed) => Some(failed),
-            Outcome::Found(_) => None,
-        }
+        self.errors.as_ref()?.measured.as_ref().err()
     }
 
     /// Whether all is known of it but its costs.

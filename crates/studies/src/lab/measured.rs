@@ -78,7 +78,7 @@ impl Workbench {
     /// Runs these settings for `time` τ in the scene's own ensemble and measures, after a while of settling.
     ///
     /// # Errors
-    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::from_error`] tells which).
+    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::or`] tells which).
     pub fn measure(
         &self,
         settings: &Settings,

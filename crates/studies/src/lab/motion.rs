@@ -44,7 +44,7 @@ impl Workbench {
     /// integration, and not truncation. The step is changed a little where `time` is no multiple of it.
     ///
     /// # Errors
-    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::from_error`] tells which).
+    /// [`StudyError`] where the settings do not fit or the run fails ([`super::Failed::or`] tells which).
     pub fn trajectory_error(
         &self,
         settings: &Settings,

@@ -104,7 +104,7 @@ impl Workbench {
     /// observables or output. The timing lasts about `seconds` by the model of [`modelled_work`].
     ///
     /// # Errors
-    /// [`StudyError`] where the settings do not fit or the run fails ([`Failed::from_error`] tells which).
+    /// [`StudyError`] where the settings do not fit or the run fails ([`Failed::or`] tells which).
     pub fn timing(&self, settings: &Settings, seconds: f64) -> Result<Timing, StudyError> {
         let dt = self.stage_dt(settings);
         let per_step = modelled_work(self.scene(), self.start(), settings) * dt;
@@ -168,9 +168,9 @@ pub fn costs(
     in_turn(settings.len(), repeats, seed, |turn| {
         let i = turn.item;
         if let Ok(so_far) = &mut timings[i] {
-            match pool.install(|| bench.timing(&settings[i], seconds)) {
+            match Failed::or(pool.install(|| bench.timing(&settings[i], seconds)))? {
                 Ok(timing) => so_far.push(timing),
-                Err(error) => timings[i] = Err(Failed::from_error(error)?),
+                Err(failed) => timings[i] = Err(failed),
             }
         }
         Ok::<(), StudyError>(())

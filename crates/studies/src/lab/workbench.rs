@@ -54,15 +54,17 @@ impl Failed {
     ///
     /// # Errors
     /// The error itself where it is not about physics.
-    pub fn from_error(error: StudyError) -> Result<Self, StudyError> {
-        match error {
-            StudyError::Engine(EngineError::Physics(failure)) => Ok(Self {
-                reason: failure.to_string().lines().next().unwrap_or_default().to_owned(),
-                step: Some(failure.step),
-            }),
-            StudyError::Step { .. } => Ok(Self { reason: error.to_string(), step: None }),
-            other => Err(other),
-        }
+    pub fn or<T>(result: Result<T, StudyError>) -> Result<Result<T, Self>, StudyError> {
+        let (reason, step) = match result {
+            Ok(found) => return Ok(Ok(found)),
+            Err(StudyError::Engine(EngineError::Physics(failure))) => {
+                let reason = failure.to_string().lines().next().unwrap_or_default().to_owned();
+                (reason, Some(failure.step))
+            }
+            Err(error @ StudyError::Step { .. }) => (error.to_string(), None),
+            Err(other) => return Err(other),
+        };
+        Ok(Err(Self { reason, step }))
     }
 }
 

@@ -301,10 +301,7 @@ impl Stability {
             let settings = Settings { dt, ..smooth.clone() };
             let found = super::affordable(&bench, &settings, seconds)
                 .and_then(|time| bench.measure(&settings, time.max(SHORTEST_RUNG), &slopes));
-            match found {
-                Ok(m) => Ok(Rung { dt, drift: Some(m.drift) }),
-                Err(error) => Failed::from_error(error).map(|_| Rung { dt, drift: None }),
-            }
+            Ok(Rung { dt, drift: Failed::or(found)?.ok().map(|m| m.drift) })
         };
         let rungs: Vec<Rung> =
             side_by_side(&RUNGS, climb, |_| {}).into_iter().collect::<Result<_, _>>()?;

@@ -72,9 +72,9 @@ pub(super) fn runs(
         let mut measured = Vec::new();
         let mut failed = None;
         for run in found.by_ref().take(survey.ends.len()) {
-            match run {
+            match Failed::or(run)? {
                 Ok(run) => measured.push(run),
-                Err(error) => failed = Some(Failed::from_error(error)?),
+                Err(run) => failed = Some(run),
             }
         }
         results.push(match failed {
