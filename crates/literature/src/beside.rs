@@ -1,7 +1,7 @@
 //! Means of a run beside an equation of state: U and P at constant volume, density and U at constant pressure.
 
 use lennard_observables::{
-    Average, ChangingBox, Comparison, Observable, StatePoint, Thermodynamics,
+    Average, ChangingBox, Comparison, Estimate, Observable, StatePoint, Thermodynamics, statistics,
 };
 
 use crate::{EquationOfState, FiniteSize, FiniteSizeDoubt, Kept, ModelKind, remark_for};
@@ -15,8 +15,8 @@ pub type Described = (ModelKind, &'static dyn EquationOfState);
 /// A value by an equation, as a closed box has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Expected {
-    /// The value of an infinite system.
-    pub infinite: f64,
+    /// The value, with what the closed box adds.
+    pub value: f64,
     /// Its slope with temperature at constant density.
     pub slope: f64,
     /// What the closed box adds, where that is known well enough.
@@ -28,10 +28,12 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// The value in the closed box.
+    /// The mean of a series from sample `cut` on, less the value. Its error is the error of the series
+    /// X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T], which carries the correlation of X and T.
     #[must_use]
-    pub fn value(&self) -> f64 {
-        self.infinite + self.finite_size.unwrap_or(0.0)
+    pub fn difference(&self, series: &[f64], temperatures: &[f64], cut: usize) -> Estimate {
+        let about = statistics::about_line(series, temperatures, self.slope, cut);
+        Estimate { mean: about.mean - self.value, ..about }
     }
 }
 
@@ -80,14 +82,16 @@ impl ClosedBox {
             (state.potential_energy, state.du_dt, of_u, own_u),
             (state.pressure, state.dp_dt, of_p, own_p),
         ];
-        let [potential_energy, pressure] =
-            both.map(|(infinite, slope, term, own_uncertainty)| Expected {
-                infinite,
+        let [potential_energy, pressure] = both.map(|(infinite, slope, term, own_uncertainty)| {
+            let finite_size = term.filter(|_| applies);
+            Expected {
+                value: infinite + finite_size.unwrap_or(0.0),
                 slope,
-                finite_size: term.filter(|_| applies),
+                finite_size,
                 finite_size_uncertainty: term.filter(|_| doubt.is_some()).map(f64::abs),
                 own_uncertainty,
-            });
+            }
+        });
         let closed = shift.filter(|_| applies).map(|shift| {
             format!(
                 "the references are for {n} particles in a closed box: {:+.5} ε and {:+.5} ε/σ³ beside an infinite system",
@@ -100,10 +104,7 @@ impl ClosedBox {
 }
 
 /// U and P of a run beside an equation for its [`ClosedBox`]. Means count against which nothing speaks, in a stable state, so that
-/// a difference is a finding.
-///
-/// The error of each difference is the error of the series X_b − [X_EOS(T̄) + (T_b − T̄)·∂X_EOS/∂T],
-/// which carries the correlation of X and T.
+/// a difference is a finding. Its error is the error of [`Expected::difference`].
 ///
 /// # Errors
 /// Why nothing was compared; `None` where the averages say why.
@@ -118,26 +119,27 @@ pub fn at_constant_volume(
     if equilibrium.doubt.is_some() {
         return Err(None);
     }
-    let temperatures = &thermodynamics.series().temperature_of_positions[equilibrium.cut..];
-    let closed = ClosedBox::of(described, density, temperatures, n, kept).map_err(Some)?;
+    let (rows, cut) = (thermodynamics.series(), equilibrium.cut);
+    let temperatures = &rows.temperature_of_positions;
+    let closed = ClosedBox::of(described, density, &temperatures[cut..], n, kept).map_err(Some)?;
     let (temperature, equation) = (closed.temperature, described.1);
     if let Some(unstable) = equation.unstable(density, temperature) {
         return Err(Some(format!("not compared: {unstable}")));
     }
-    let (u, p) = (closed.potential_energy, closed.pressure);
     let quantities = [
-        ("potential_energy", u, thermodynamics.potential_energy_against(u.slope)),
-        ("pressure", p, thermodynamics.pressure_against(p.slope)),
+        ("potential_energy", closed.potential_energy, &rows.potential_energy),
+        ("pressure", closed.pressure, &rows.pressure),
     ];
     let averages = thermodynamics.finish(equilibrium.discarded).averages;
     let at = StatePoint { temperature, half_steps: thermodynamics.has_half_steps(), density };
-    let sound = quantities.into_iter().filter_map(|(name, expected, against)| {
+    let sound = quantities.into_iter().filter_map(|(name, expected, series)| {
+        let error = expected.difference(series, temperatures, cut).standard_error;
         let average = averages.iter().find(|a| a.name == name && a.doubt.is_none())?;
         Some(Comparison {
             finite_size: expected.finite_size,
             finite_size_uncertainty: expected.finite_size_uncertainty,
             reference_uncertainty: expected.own_uncertainty,
-            ..entry(average, expected.value(), against.standard_error, equation, at)
+            ..entry(average, expected.value, error, equation, at)
         })
     });
     Ok((sound.collect(), closed.remarks))

@@ -1,6 +1,6 @@
-//! How well a run kept what it ought to keep, and its means beside a line of an equation of state.
+//! How well a run kept what it ought to keep.
 
-use crate::{Estimate, finite, statistics};
+use crate::{finite, statistics};
 use serde::{Deserialize, Serialize};
 
 use super::Thermodynamics;
@@ -36,27 +36,5 @@ impl Thermodynamics {
             energy_rms_per_atom: self.energy_line.rms(),
             momentum_per_atom: self.largest_momentum,
         }
-    }
-
-    /// The mean potential energy per particle, with the error of its difference from an equation of state
-    /// ([`statistics::about_line`]). `slope` is ∂u/∂T of the equation at the temperature of the
-    /// positions.
-    #[must_use]
-    pub fn potential_energy_against(&self, slope: f64) -> Estimate {
-        let rows = self.series.rows();
-        self.against(&rows.potential_energy, slope)
-    }
-
-    /// The mean pressure, with the error of its difference from an equation of state whose slope ∂p/∂T at
-    /// the temperature of the positions is given.
-    #[must_use]
-    pub fn pressure_against(&self, slope: f64) -> Estimate {
-        self.against(&self.series.rows().pressure, slope)
-    }
-
-    fn against(&self, values: &[f64], slope: f64) -> Estimate {
-        let temperature = &self.series.rows().temperature_of_positions;
-        let found = statistics::about_line(values, temperature, slope, self.equilibration_cut());
-        self.in_samples(found)
     }
 }

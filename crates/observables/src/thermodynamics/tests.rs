@@ -239,7 +239,9 @@ fn all_averages_of_a_run_share_one_equilibration_cut() {
     // Against a line the error gains the fluctuation of the temperature, here independent of U.
     let slope = 3.0;
     let temperature = estimate(&findings, "temperature");
-    let against = thermodynamics.potential_energy_against(slope);
+    let rows = thermodynamics.series();
+    let (u, t) = (&rows.potential_energy, &rows.temperature_of_positions);
+    let against = statistics::about_line(u, t, slope, cut as usize);
     let exact = energy.standard_error.hypot(slope * temperature.standard_error);
     assert!((against.standard_error / exact - 1.0).abs() < 0.1);
     assert_eq!(against.mean, energy.mean);

@@ -174,9 +174,9 @@ impl Workbench {
         let closed = ClosedBox::of(described, density, &positions[cut..], n, Some(kept))?;
         let (u, p) = (closed.potential_energy, closed.pressure);
         let less = |column: &[f64], expected: Expected| {
-            let about = statistics::about_line(column, positions, expected.slope, cut);
+            let Estimate { mean, standard_error, .. } = expected.difference(column, positions, cut);
             let n_effective = statistics::estimate_after(column, cut).n_effective;
-            Estimate::new(about.mean - expected.value(), about.standard_error, n_effective)
+            Estimate::new(mean, standard_error, n_effective)
         };
         let found = AgainstEquation {
             source: described.1.spec().citation(),
