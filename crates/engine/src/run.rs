@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use lennard_core::{DVec3, State};
-use lennard_io::{OutputFolder, RunRecord, WriteError};
+use lennard_io::{OutputFolder, RunRecord};
 use lennard_observables::{Findings, Table};
 
 use crate::checkpointing::{Checkpointer, Past};
@@ -181,17 +181,15 @@ impl<'a> Recorder<'a> {
     /// Saves what shows how a run failed.
     fn keep_evidence(&self, simulation: &Simulation, failure: &mut PhysicsFailure) {
         // Each is a courtesy: a second error must not hide the first. Numbers that are not finite are never written.
-        let mut keep = |name: &str, state: &State, words: &str, written: Result<(), WriteError>| {
+        let states =
+            [("failed.xyz", None, ""), ("before-failure.xyz", Some(&self.before), ", before it")];
+        for (name, earlier, words) in states {
+            let written = self.files.write_state(name, simulation, earlier);
             if let (Ok(()), Some(folder)) = (written, self.files.folder()) {
-                let path = folder.join(name);
-                let step = state.step;
+                let (path, step) = (folder.join(name), earlier.unwrap_or(&simulation.state).step);
                 failure.kept.push(format!("saved: {} (step {step}{words})", path.display()));
             }
-        };
-        let failed = self.files.write_state("failed.xyz", simulation, None);
-        keep("failed.xyz", &simulation.state, "", failed);
-        let before = self.files.write_state("before-failure.xyz", simulation, Some(&self.before));
-        keep("before-failure.xyz", &self.before, ", before it", before);
+        }
         if let Some(folder) = self.files.folder()
             && let Ok(all) = lennard_io::CheckpointFolder::new(folder).list()
             && let Some((_, newest)) = all.first()
