@@ -119,8 +119,8 @@ pub fn plan(
     let (n, molecules) = (particles, simulation.system.n_molecules());
     let state = n * STATE_BYTES;
     let set_aside = n * SET_ASIDE_BYTES;
-    // A checkpoint, the text of the last state and the look at it come one after the other.
-    let at_times = costs.checkpoint_bytes.max(costs.text_bytes).max(simulation.bytes_to_look());
+    // A checkpoint and the look at the last state come one after the other.
+    let at_times = costs.checkpoint_bytes.max(simulation.bytes_to_look());
     let bytes_to_write = (set_aside + at_times) as u64;
     let bytes = state as u64 + bytes_to_write + costs.force_bytes;
     let one = |core_seconds| OneRank {

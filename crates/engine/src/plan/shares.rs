@@ -9,13 +9,13 @@ use lennard_core::{
     Configuration, ForceStatistics, Integrator, NoForces, Part as Whole, Persist, StateArchive,
     Want,
 };
-use lennard_io::{FileMark, Frame, FrameStyle, Sink, TrajectoryFormat, TrajectoryWriter};
+use lennard_io::{Frame, Sink, TrajectoryWriter};
 use lennard_scene::{Scene, Stage};
 
 use crate::build::prepare_from;
 use crate::course::{aside, set_aside};
 use crate::failure::LARGEST_MOVE;
-use crate::files::{header, style, style_of_last};
+use crate::files::{header, style};
 use crate::follower::bare;
 use crate::follower::{Follower, StopAt};
 use crate::planar_tail::PlanarTail;
@@ -67,8 +67,6 @@ pub(super) struct Costs {
     pub(super) force_bytes: u64,
     /// Bytes of what a checkpoint is put together in.
     pub(super) checkpoint_bytes: usize,
-    /// Bytes of the text of the last state, which is put together before it is written.
-    pub(super) text_bytes: usize,
     /// The parts of the run; `None` where steps are too slow to measure.
     pub(super) parts: Option<Vec<Part>>,
     /// The mean time of such a step, s; `None` where steps are too slow to measure.
@@ -112,7 +110,6 @@ impl Costs {
             median_step: Spread::of(times).map_or(f64::NAN, |steps| steps.median),
             force_bytes: bare.forces.statistics().bytes + under_a_bath,
             checkpoint_bytes: checkpoint_bytes(&bare),
-            text_bytes: frame(&bare, TrajectoryFormat::Xyz, &style_of_last(&bare)).1,
             parts: step.map(|_| parts),
             mean_step: step,
             building: step.map_or(0.0, |step| neighbor / step),
@@ -198,8 +195,7 @@ fn of_parts(simulation: &mut Simulation, bare: &mut Simulation) -> Result<Vec<Pa
     }
     parts.extend(simulation.scene.output.trajectory_every.map(|every| {
         let wanted = of_want(Want::ENERGY_AND_VIRIAL, every);
-        let (seconds, _) = frame(bare, bare.scene.output.format, &style(bare));
-        Part::new("trajectory", measured_every(every), seconds + wanted)
+        Part::new("trajectory", measured_every(every), frame(bare) + wanted)
     }));
     parts.push(Part::new(WATCHDOG, steps, watching_seconds(bare)));
     Ok(parts)
@@ -282,18 +278,13 @@ fn bath(bare: &Simulation, stage: &Stage) -> f64 {
     time(options.couple(method(), stage.temperature_ramp(0), noise)) - time(method())
 }
 
-/// Seconds that formatting one frame takes without the disk, and its bytes.
-fn frame(bare: &Simulation, format: TrajectoryFormat, style: &FrameStyle) -> (f64, usize) {
-    let extra = header(bare);
+/// Seconds that one frame of the trajectory takes without the disk.
+fn frame(bare: &Simulation) -> f64 {
+    let (extra, style, format) = (header(bare), style(bare), bare.scene.output.format);
     let frame = Frame { state: &bare.state, extra: &extra };
     let nowhere = Path::new("nowhere");
-    let Ok(mut writer) = TrajectoryWriter::to_sink(nowhere, format, style, Box::new(Nowhere))
-    else {
-        return (0.0, 0);
-    };
-    let seconds = median(|| drop(writer.write(&frame)));
-    let FileMark { bytes, records } = writer.mark();
-    (seconds, (bytes / records.max(1)) as usize)
+    let writer = TrajectoryWriter::to_sink(nowhere, format, &style, Box::new(Nowhere));
+    writer.map_or(0.0, |mut writer| median(|| drop(writer.write(&frame))))
 }
 
 /// Takes everything and keeps nothing.

@@ -46,20 +46,6 @@ fn memory_is_counted_as_a_run_takes_it() {
 }
 
 #[test]
-fn the_text_of_the_last_state_is_counted_as_a_run_writes_it() {
-    let run = "forces = true\n[[stage]]\nname = \"a\"\nsteps = 40\n";
-    let mut simulation = crate::prepare(scene(run)).unwrap();
-    let counted = Costs::measure(&mut simulation).unwrap().text_bytes as f64;
-    let place = tempfile::tempdir().unwrap();
-    let folder = place.path().join("run");
-    crate::prepare(scene(run)).unwrap().run_in_folder(&folder).unwrap();
-    let written = std::fs::metadata(folder.join("final.xyz")).unwrap().len() as f64;
-    assert!((counted / written - 1.0).abs() < 0.02, "{counted} {written}");
-    // Nine numbers and three images of each particle: more than a checkpoint takes.
-    assert!(counted > 150.0 * 108.0, "{counted}");
-}
-
-#[test]
 fn parts_are_paid_as_often_as_the_scene_says() {
     let scene = scene(
         "trajectory_every = 15\n[[stage]]\nname = \"a\"\nsteps = 300\nthermostat = \"bussi\"\n\
