@@ -254,8 +254,8 @@ def test_the_largest_rank_holds_the_memory_that_the_plan_says(mpi: Mpi, tmp_path
     conftest.RESULTS.append(
         f"{mpi.name}, {precision}: MB of {number} ranks with 10⁶ particles: {all_found}; planned {expected / 1e6:.0f}"
     )
-    # The plan is what a rank holds at rest: starts, texts of frames and checkpoints hold more for a while.
-    assert 0.9 < max(found) / expected < 2.5
+    # The plan is what a rank holds at rest: builds and checkpoints hold more for a while, and MPICH more than the plan has for MPI.
+    assert 0.9 < max(found) / expected < 1.35
 
 
 def test_speed_beside_threads(mpi: Mpi, tmp_path) -> None:
