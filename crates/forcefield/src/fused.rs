@@ -163,7 +163,7 @@ impl FusedBuffers {
             match status {
                 ListStatus::Complete => break,
                 ListStatus::NonFinite => return 0,
-                ListStatus::Incomplete(pairs) if validity.insert(list, &pairs) => {
+                ListStatus::Incomplete(pairs) if validity.insert(list, &pairs, false) => {
                     prepared = Prepared::Judged;
                 }
                 ListStatus::Expired | ListStatus::Incomplete(_) => {

@@ -155,11 +155,16 @@ impl ListValidity {
         Reach { r_cut, r_list: r_cut + self.skin_in(cell) + P::rounding(cell, r_cut) }
     }
 
-    /// Inserts pairs of slots that a list lacks; returns whether the list can take them.
-    pub fn insert<P: PairList>(&mut self, list: &mut P, pairs: &[[u32; 2]]) -> bool {
+    /// Inserts pairs of slots that a list lacks, or that a checkpoint has saved; returns whether the list can take them.
+    pub fn insert<P: PairList>(
+        &mut self,
+        list: &mut P,
+        pairs: &[[u32; 2]],
+        are_saved: bool,
+    ) -> bool {
         if P::INSERTS {
             match &mut self.part {
-                Some(part) => part.include(list, pairs),
+                Some(part) => part.include(list, pairs, are_saved),
                 None => {
                     let particles = pairs.iter().map(|p| p.map(|k| list.particles()[k as usize]));
                     self.inserted.extend(particles);

@@ -198,7 +198,7 @@ impl<P: PackedList> Listed<P> {
                 match &status {
                     ListStatus::Complete | ListStatus::NonFinite => return Ok((status, totals)),
                     ListStatus::Incomplete(pairs)
-                        if !is_new && self.validity.insert(&mut self.list, pairs) =>
+                        if !is_new && self.validity.insert(&mut self.list, pairs, false) =>
                     {
                         request.prepared = Prepared::Judged;
                     }

@@ -73,7 +73,7 @@ impl<P: PackedList> Listed<P> {
             }
             // Other ranks have slots for the particles that are far from this one.
             if let [Some(a), Some(b)] = pair.map(|k| slots.get(&(k as u32)).copied()) {
-                is_right = is_right && self.validity.insert(&mut self.list, &[[a, b]]);
+                is_right = is_right && self.validity.insert(&mut self.list, &[[a, b]], true);
             }
         }
         if is_right {

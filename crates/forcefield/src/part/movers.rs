@@ -64,12 +64,12 @@ impl<P: PairList> Settled<'_, P> {
         let slot = slots.find(|slot| u64::from(particles[*slot as usize]) == number);
         slot.expect("halos reach as far as particles may move")
     }
+}
 
-    /// The place of a slot in the order of the whole.
-    fn key(&self, slot: u32) -> u64 {
-        let [cell, number] = self.list.key(slot);
-        u64::from(cell) << 32 | u64::from(number)
-    }
+/// The place of a slot in the order of the whole; its lower half is the number of the particle.
+fn place<P: PairList>(list: &P, slot: u32) -> u64 {
+    let [cell, number] = list.key(slot);
+    u64::from(cell) << 32 | u64::from(number)
 }
 
 /// Whether one of two slots is an own one, and the other is in the halo.
@@ -140,9 +140,9 @@ impl Part {
             pairs.extend(names.iter().map(|names| names.map(|name| settled.slot(name))));
         }
         for pair in &mut pairs {
-            pair.sort_unstable_by_key(|slot| settled.key(*slot));
+            pair.sort_unstable_by_key(|slot| place(settled.list, *slot));
         }
-        pairs.sort_unstable_by_key(|pair| pair.map(|slot| settled.key(slot)));
+        pairs.sort_unstable_by_key(|pair| pair.map(|slot| place(settled.list, slot)));
         pairs.dedup();
         let own = settled.list.own() as u32;
         let is_new = |pair: &[u32; 2]| crosses(*pair, own) && !self.crossing.contains(pair);
@@ -150,15 +150,13 @@ impl Part {
         pairs
     }
 
-    /// Notes which pairs of slots are about to be inserted, and lets the positions come that lists name then.
-    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]]) {
+    /// Notes which pairs of slots are about to be inserted, and lets the positions come that lists name then. A checkpoint has saved
+    /// them all, or a list of this rank may lack them.
+    pub fn include<P: PairList>(&mut self, list: &P, pairs: &[[u32; 2]], are_saved: bool) {
         let own = list.own() as u32;
         let search = *self.searches.get_mut();
-        for pair in pairs.iter().filter(|pair| !list.contains(**pair)) {
-            let [a, b] = pair.map(|slot| {
-                let [cell, number] = list.key(slot);
-                u64::from(cell) << 32 | u64::from(number)
-            });
+        for pair in pairs.iter().filter(|pair| are_saved || !list.contains(**pair)) {
+            let [a, b] = pair.map(|slot| place(list, slot));
             self.inserted.push([search, a, b]);
         }
         let [inner, outer] = &mut self.inner_and_outer;

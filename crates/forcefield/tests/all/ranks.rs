@@ -125,6 +125,12 @@ fn history(
         forces.save(&mut archive.writer());
         // Times are no part of the state.
         let kept = (archive.arrays.iter()).filter(|(name, _)| !name.ends_with("seconds"));
+        if round == 0 {
+            forces.restore(&archive.reader()).unwrap();
+            let mut again = StateArchive::default();
+            forces.save(&mut again.writer());
+            assert!(kept.clone().all(|(name, array)| again.arrays[name] == *array), "{kind:?}");
+        }
         told.extend(kept.map(|(name, array)| match array {
             Array::Vec3(vectors) => format!("{name} {}", fingerprint(team, vectors)),
             array => format!("{name} {array:?}"),
