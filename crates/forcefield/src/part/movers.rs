@@ -51,9 +51,13 @@ pub struct Settled<'a, P> {
 }
 
 impl<P: PairList> Settled<'_, P> {
-    /// What other ranks know the particle at a slot by: its column, and its number.
-    fn name(&self, slot: u32) -> [u64; 2] {
-        let [x, y] = self.list.column_at(self.cell, self.built[slot as usize]);
+    /// The column of the particle at a slot.
+    fn column(&self, slot: u32) -> [u32; 2] {
+        self.list.column_at(self.cell, self.built[slot as usize])
+    }
+
+    /// What other ranks know a particle by: its column, and its number.
+    fn name(&self, slot: u32, [x, y]: [u32; 2]) -> [u64; 2] {
         [u64::from(x) << 32 | u64::from(y), self.list.particles()[slot as usize].into()]
     }
 
@@ -94,12 +98,11 @@ impl Part {
         let mut sent = vec![Vec::new(); self.team.ranks()];
         let mut near = Vec::new();
         for slot in far {
-            let built = settled.built[*slot as usize];
-            let column = settled.list.column_at(settled.cell, built);
-            self.beyond.ranks_near(column, built, &mut near);
+            let column = settled.column(*slot);
+            self.beyond.ranks_near(column, settled.built[*slot as usize], &mut near);
             for (rank, _) in near.iter().filter(|(_, d2)| *d2 <= self.far * self.far) {
                 let words: &mut Vec<u64> = &mut sent[*rank as usize];
-                words.extend(settled.name(*slot));
+                words.extend(settled.name(*slot, column));
                 push(words, position(*slot));
             }
         }
@@ -129,8 +132,8 @@ impl Part {
         for [a, b] in &found {
             for (mover, partner) in [(a, b), (b, a)] {
                 if let Some(mover) = movers.of(*mover) {
-                    let names = [settled.name(mover.slot), settled.name(*partner)];
-                    sent[mover.rank].extend(names.concat());
+                    let name = |slot| settled.name(slot, settled.column(slot));
+                    sent[mover.rank].extend([name(mover.slot), name(*partner)].concat());
                 }
             }
         }

@@ -169,7 +169,8 @@ impl<P: PairList> ListInUse<'_, P> {
         [at.positions[at.index(slot)], self.built[slot]]
     }
 
-    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers. `of_slot` gives the position now and at the build.
+    /// The pairs inside the cutoff that were beyond the list radius at the build, ahead of the far movers. `of_slot` gives the position
+    /// now and at the build.
     ///
     /// The box equals the box of the build: in any other box the criterion never asks for this search.
     fn unlisted_pairs(

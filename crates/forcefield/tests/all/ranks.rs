@@ -295,6 +295,43 @@ fn pairs_that_one_end_alone_lacks_are_told_to_the_rank_of_that_end() {
     assert!(inserted.any(|line| line.matches(',').count() > 100));
 }
 
+#[test]
+fn a_rank_keeps_all_pairs_of_its_checkpoint_even_where_one_entry_serves_several() {
+    let start = fluid([26, 25, 26], 0.75);
+    let n = start.positions.len();
+    let apart = |a: usize, b: usize| {
+        start.cell.minimum_image(start.positions[a] - start.positions[b]).length()
+    };
+    // Neighbors of each other often share a cluster: the pair of the first one serves them all.
+    let around =
+        |b: usize| (0..n).filter(move |a| (2.8..3.0).contains(&apart(*a, b))).map(move |a| [a, b]);
+    let saved: Vec<u64> =
+        (5..n).step_by(1900).flat_map(around).flatten().map(|k| k as u64).collect();
+    let kernel = KernelOptions { precision: Precision::Mixed, ..KernelOptions::default() };
+    let kept = |team: Option<&Team>| {
+        let own = team.map_or(0..n, |team| team.numbers(n));
+        let positions = &start.positions[own];
+        let mut forces = build(&options(kernel), &conditions(start.cell, n)).unwrap();
+        assert!(team.is_none_or(|team| forces.share(team, &start.cell, LIMIT).unwrap()));
+        let at = Configuration::at_rest(&start.cell, positions);
+        let mut f = vec![DVec3::ZERO; positions.len()];
+        forces.evaluate(at, Part::All, Want::NOTHING, &mut f).unwrap();
+        let mut archive = StateArchive::default();
+        forces.save(&mut archive.writer());
+        archive.arrays.insert("list/inserted".into(), Array::U64(saved.clone()));
+        forces.restore(&archive.reader()).unwrap();
+        let mut again = StateArchive::default();
+        forces.save(&mut again.writer());
+        again.arrays["list/inserted"].clone()
+    };
+    assert_eq!(kept(None), Array::U64(saved.clone()));
+    for ranks in [2, 4] {
+        for found in on_ranks(ranks, 1, |team| kept(Some(team))) {
+            assert_eq!(found, Array::U64(saved.clone()), "{ranks}");
+        }
+    }
+}
+
 /// A team that loses the last word of each message between two ranks.
 struct Lossy(Team);
 
